@@ -327,5 +327,67 @@ TEST(Replay, reports_damage_instead_of_a_digest) {
   EXPECT_FALSE(replay(bytes, make_sum));
 }
 
+TEST(Journal, hands_each_whole_record_to_its_sink_at_once) {
+  std::vector<std::size_t> sizes;
+  Writer writer{[&](std::string_view piece) { sizes.push_back(piece.size()); }};
+  writer.append(three[0]);
+  writer.append(three[2]);
+  writer.end(SimTime{9s}, "x");
+  // The format's name; then 4 bytes of length, 12 fixed ones, source and payload, 4 of the checksum.
+  EXPECT_THAT(sizes, ::testing::ElementsAre(8U, 4U + 12U + 6U + 17U + 4U, 4U + 12U + 4U, 4U + 12U + 1U + 4U));
+}
+
+TEST(Journal, takes_each_kind_of_input_and_no_other) {
+  for (int kind = 0; kind < 255; ++kind) {
+    const ReadBack back = read_all(sealed(body(static_cast<char>(kind), 0, 0, "")));
+    if (kind >= 1 && kind <= 8) {
+      ASSERT_EQ(back.inputs.size(), 1U) << kind;
+      EXPECT_EQ(static_cast<int>(back.inputs[0].kind), kind);
+    } else {
+      ASSERT_TRUE(back.error) << kind;
+      EXPECT_EQ(back.error->message, "unknown record kind " + std::to_string(kind));
+      EXPECT_EQ(back.error->location, "offset 8");
+    }
+  }
+}
+
+TEST(Journal, gives_nothing_more_after_its_end_or_a_cut) {
+  const std::string whole = written(three, "x");
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{1}}) {
+    auto reader = Reader::open(std::string_view{whole}.substr(0, whole.size() - cut));
+    ASSERT_TRUE(reader);
+    for (std::size_t i = 0; i < three.size(); ++i) EXPECT_EQ(reader->next().value(), three[i]);
+    for (int again = 0; again < 3; ++again) {
+      const auto next = reader->next();
+      ASSERT_TRUE(next);
+      EXPECT_FALSE(next->has_value());
+    }
+    EXPECT_EQ(reader->truncated(), cut == 1);
+    EXPECT_EQ(reader->recorded_digest().has_value(), cut == 0);
+  }
+}
+
+TEST(Journal, takes_a_flag_of_0_or_1) {
+  for (const char flag : {'\0', '\1'}) {
+    const ReadBack back = read_all(sealed(body(2, flag, 0, "payload")));
+    ASSERT_EQ(back.inputs.size(), 1U);
+    EXPECT_EQ(back.inputs[0], (Input{SimTime{}, InputKind::message, "", "payload", flag == '\1'}));
+  }
+}
+
+TEST(Replay, of_a_damaged_journal_does_not_reach_its_end) {
+  std::string first_damaged = recorded_run(three);
+  first_damaged[8 + 4 + 12] = static_cast<char>(first_damaged[8 + 4 + 12] ^ 1);
+  std::string last_damaged = recorded_run(three);
+  last_damaged.back() = static_cast<char>(last_damaged.back() ^ 1);
+  for (const std::string& bytes : {first_damaged, last_damaged}) {
+    bool reached = false;
+    const auto replayed = replay(bytes, make_sum, [&](wire::Core&) { reached = true; });
+    ASSERT_FALSE(replayed);
+    EXPECT_EQ(replayed.error().code, "journal.crc");
+    EXPECT_FALSE(reached);
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::journal

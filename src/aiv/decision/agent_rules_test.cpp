@@ -362,6 +362,7 @@ TEST(AgentRules, decide_by_the_lowest_concern_and_yield_by_go) {
   ASSERT_EQ(explained.inputs.size(), 2U);
   EXPECT_EQ(explained.inputs[0].value, 20.0);
   EXPECT_EQ(explained.inputs[1].value, 4.0);
+  EXPECT_EQ((*rules)->decide(free_path_inputs()).decided_by, 1U) << "of equal concerns the first";
 }
 
 TEST(FuzzyChoice, stops_at_the_end_of_its_base_and_is_no_faster_than_instructed) {
@@ -386,6 +387,66 @@ TEST(SpeedRules, survive_a_json_round_trip) {
   EXPECT_FALSE(speed_rules_from_json(*JsonValue::parse("\"vague\"")));
   EXPECT_THAT(to_string(speed_rules_from_json(*JsonValue::parse(R"({"origin":"x.fll","fll":"hello"})")).error()),
               testing::StartsWith("x.fll:1:1: "));
+}
+
+std::string written(const SpeedRules& rules) {
+  JsonWriter json;
+  write_json(json, rules);
+  return std::string(json.text());
+}
+
+TEST(SpeedRules, are_a_word_or_an_object_with_origin_and_text) {
+  EXPECT_EQ(written({}), "\"crisp\"");
+  EXPECT_EQ(written({SpeedRules::Kind::fuzzy, {}, {}}), "\"fuzzy\"");
+  EXPECT_EQ(written({SpeedRules::Kind::custom, "my.fll", "text"}), R"({"origin":"my.fll","fll":"text"})");
+  JsonWriter json;
+  json.begin_object().field("fll", built_in_rules_text()).end_object();
+  const auto without_origin = speed_rules_from_json(*JsonValue::parse(json.text()));
+  ASSERT_TRUE(without_origin);
+  EXPECT_EQ(without_origin->kind, SpeedRules::Kind::custom);
+  EXPECT_EQ(without_origin->origin, "rules");
+}
+
+TEST(SpeedRules, that_are_neither_are_refused) {
+  for (const char* text : {"\"vague\"", "\"\"", "null", "7", "true", "[]", "{}", R"({"origin":"x"})", R"({"fll":7})"}) {
+    const auto refused = speed_rules_from_json(*JsonValue::parse(text));
+    ASSERT_FALSE(refused) << text;
+    EXPECT_EQ(refused.error(),
+              (Error{"options.rules", "expected 'crisp', 'fuzzy' or an object with origin and fll", "rules"}))
+        << text;
+  }
+}
+
+TEST(SpeedRules, make_the_policy_of_their_kind) {
+  const auto is_fuzzy = [](const SpeedRules& rules) {
+    const auto policy = make_speed_policy(rules, profiles);
+    return dynamic_cast<const FuzzySpeedPolicy*>(policy->get()) != nullptr;
+  };
+  EXPECT_FALSE(is_fuzzy({}));
+  EXPECT_TRUE(is_fuzzy({SpeedRules::Kind::fuzzy, {}, {}}));
+  EXPECT_TRUE(is_fuzzy({SpeedRules::Kind::custom, "my.fll", std::string(built_in_rules_text())}));
+  EXPECT_EQ(make_speed_policy({SpeedRules::Kind::custom, "x.fll", "hello"}, profiles).error().location.substr(0, 6),
+            "x.fll:");
+}
+
+TEST(NearestProfile, keeps_the_present_one_within_seven_tenths) {
+  struct Case {
+    double speed;
+    std::optional<Profile> present;
+    Profile expected;
+  };
+  for (const Case& one : {Case{0.49, {}, Profile::stop},
+                          {0.5, {}, Profile::slow},
+                          {1.49, {}, Profile::slow},
+                          {1.5, {}, Profile::medium},
+                          {2.49, {}, Profile::medium},
+                          {2.5, {}, Profile::fast},
+                          {0.69, Profile::stop, Profile::stop},
+                          {0.71, Profile::stop, Profile::slow},
+                          {1.31, Profile::medium, Profile::medium},
+                          {1.29, Profile::medium, Profile::slow},
+                          {2.31, Profile::fast, Profile::fast}})
+    EXPECT_EQ(nearest_profile(one.speed, one.present), one.expected) << one.speed;
 }
 
 }  // namespace

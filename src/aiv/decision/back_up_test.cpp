@@ -64,5 +64,32 @@ TEST(BackUp, drives_at_a_tenth_of_a_metre_per_second_and_slows_down_to_stop_at_i
   EXPECT_EQ(back_up.speed_mps(slower, 1.0), 0.06);
 }
 
+TEST(BackUpDeathTest, is_by_more_than_nothing_and_at_most_half_a_metre) {
+  BackUp back_up;
+  EXPECT_DEATH(back_up.begin(0.0, 1.0), "distance_m > 0.0");
+  EXPECT_DEATH(back_up.begin(0.501, 1.0), "distance_m_max");
+  back_up.begin(0.5, 1.0);
+  EXPECT_TRUE(back_up.active());
+  back_up.end();
+  EXPECT_DEATH(static_cast<void>(back_up.speed_mps(slow(), 1.0)), "active");
+}
+
+TEST(BackUp, counts_its_readings_anew_when_it_begins_again) {
+  BackUp back_up;
+  back_up.begin(0.20, 1.0);
+  for (int k = 0; k < 700; ++k) back_up.on_odometry(1.0, true);
+  back_up.begin(0.20, 1.0);
+  for (int k = 0; k < 750; ++k) back_up.on_odometry(1.0, true);
+  EXPECT_TRUE(back_up.active());
+}
+
+TEST(BackUp, that_is_not_active_takes_no_reading_for_its_end) {
+  BackUp back_up;
+  back_up.begin(0.20, 1.0);
+  back_up.end();
+  back_up.on_odometry(0.8, true);
+  EXPECT_FALSE(back_up.completed());
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -315,5 +315,115 @@ TEST(BranchChoice, is_that_of_the_order_from_its_base_to_ten_centimetres_beyond_
   EXPECT_EQ(choose_branch(zone.circuit, position, book), wire::no_branch);
 }
 
+// --- limits that are met exactly ----------------------------------------------------------------------------------
+
+TEST(CrossingLookAhead, counts_a_crossing_at_its_reach_and_none_at_whose_begin_the_vehicle_is) {
+  const auto zone = with_spans({{0, 1.0, 1.5}}, {{5.0}}, false);
+  EXPECT_EQ(CrossingLookAhead{zone}.first({0, 0.5}, 0.5).entry_m, 0.5);
+  EXPECT_EQ(CrossingLookAhead{zone}.first({0, 0.5}, 0.4999).entry_m, nothing);
+  EXPECT_EQ(CrossingLookAhead{zone}.first({0, 1.0}, 1.0).entry_m, nothing);
+  EXPECT_EQ(CrossingLookAhead{zone}.first({0, 1.5}, 1.0).entry_m, nothing);
+  const auto behind_joint = with_spans({{1, 0.0, 0.25}}, {{1.0}, {1.0}}, false);
+  EXPECT_EQ(CrossingLookAhead{behind_joint}.first({0, 0.5}, 0.5).entry_m, 0.5);
+}
+
+TEST(CrossingLookAhead, ends_a_chain_where_a_vehicle_has_exactly_the_room_to_stop) {
+  // A vehicle of 0.15 m needs 0.25 m.
+  auto zone = with_spans({{0, 1.0, 1.25}, {0, 1.5, 1.75}}, {{5.0}}, false);
+  zone.vehicle.length_m = 0.15;
+  ASSERT_EQ(zone::stopping_room_m(zone.vehicle), 0.25);
+  EXPECT_EQ(CrossingLookAhead{zone}.first({0, 0.5}, 1.0).exit_m, 0.75);
+}
+
+TEST(CrossingLookAhead, takes_a_crossing_inside_another_one_for_a_part_of_it) {
+  const auto zone = with_spans({{0, 1.25, 1.5}, {0, 1.0, 2.0}, {0, 3.0, 3.5}}, {{5.0}}, false);
+  const auto chain = CrossingLookAhead{zone}.first({0, 0.5}, 1.0);
+  EXPECT_EQ(chain.entry_m, 0.5);
+  EXPECT_EQ(chain.exit_m, 1.5);
+  // From inside, the next one is the one behind.
+  EXPECT_EQ((CrossingLookAhead{zone}.first({0, 1.75}, 2.0).entry_m), 1.25);
+}
+
+/// The limit of a vehicle at 0.5 m on a lane of 5 m with a crossing from 1.0 m to 1.5 m, whose base ends at `end_m`.
+Limit on_lane(double end_m, const zone::SpeedProfile& by, double s_m = 0.5) {
+  zone::TrafficZone zone = test::graph("lane", {{"lane", {}, 5.0, 0.0, {}}},
+                                       {{"here", {0, s_m}}, {"end", {0, end_m}}, {"announced", {0, 4.5}}});
+  zone.crossings.push_back({"X", {}, {{0, 1.0, 1.5}}});
+  OrderBook book{zone};
+  EXPECT_TRUE(book.offer(order("O").through({"here", "end"}).then({"announced"}), {{0, s_m}, true}));
+  return Envelope{zone}.limit({Outlook{0, s_m}, 0.3, nothing, book}, by);
+}
+
+TEST(Envelope, lets_a_base_lead_through_a_crossing_up_to_five_millimetres_before_its_exit) {
+  const auto to_closed_crossing_m = [](double end_m) {
+    const auto [speed_mps, braking_mps2, by_obstacle, crossing_m, bend_m] = on_lane(end_m, target_speed);
+    return crossing_m;
+  };
+  EXPECT_EQ(to_closed_crossing_m(1.496), nothing);
+  EXPECT_EQ(to_closed_crossing_m(1.494), 0.5);
+  EXPECT_EQ(to_closed_crossing_m(2.0), nothing);
+}
+
+TEST(Envelope, stops_at_the_nearer_of_stop_line_and_end_of_base) {
+  constexpr zone::SpeedProfile racing{.speed_mps = 5.0, .acceleration_mps2 = 0.5, .braking_mps2 = 0.8};
+  EXPECT_NEAR(on_lane(0.6, racing).speed_mps, stoppable_speed(0.1, 0.8, 0.08), 1e-9);
+  EXPECT_NEAR(on_lane(1.0, racing).speed_mps, stoppable_speed(0.5, 0.8, 0.08), 1e-9) << "a base that ends at the entry";
+  EXPECT_NEAR(on_lane(1.25, racing).speed_mps, stoppable_speed(0.5 - 0.01, 0.8, 0.08), 1e-9);
+  EXPECT_EQ(on_lane(1.25, racing, 0.995).speed_mps, 0.0) << "the vehicle is beyond the stop line";
+}
+
+// --- forks that are near or far --------------------------------------------------------------------------------------
+
+/// The branch that is chosen by a vehicle that has driven `driven_m` of an order from the start of section 0 to "end".
+int chosen_branch(const zone::TrafficZone& zone, double driven_m) {
+  PositionEstimator position{zone};
+  position.position_at({0, 0.0});
+  OrderBook book{zone};
+  EXPECT_TRUE(book.offer(order("O").through({"start", "end"}), {{0, 0.0}, true}));
+  position.follow(book.course_from(position.track_position()));
+  wire::Odometry odometry;
+  for (int i = 0; i <= 100; ++i) {
+    odometry.distance_um = std::llround(1e4 * driven_m * i);
+    static_cast<void>(position.on_odometry(odometry));
+  }
+  book.travelled(driven_m);
+  return int{choose_branch(zone.circuit, position, book)};
+}
+
+TEST(BranchChoice, needs_a_base_that_ends_over_five_millimetres_behind_the_fork) {
+  for (const double beyond_m : {0.004, 0.006}) {
+    zone::TrafficZone zone = test::diamond();
+    zone.waypoints = std::vector<zone::Waypoint>{{"start", {0, 0.0}}, {"end", {4, beyond_m}}};
+    EXPECT_EQ(chosen_branch(zone, 0.0), beyond_m < 0.005 ? int{wire::no_branch} : 1) << beyond_m;
+  }
+}
+
+TEST(BranchChoice, finds_a_fork_behind_sections_that_end_within_three_metres) {
+  const zone::TrafficZone zone = test::graph("far",
+                                             {{"first", {0.0, 0.0, 0.0}, 2.0, 0.0, {1}},
+                                              {"second", {2.0, 0.0, 0.0}, 2.0, 0.0, {2}},
+                                              {"third", {4.0, 0.0, 0.0}, 2.0, 0.0, {3, 4}},
+                                              {"on", {6.0, 0.0, 0.0}, 2.0, 0.0, {}},
+                                              {"left", {6.0, 0.0, 0.0}, 2.0, 0.5, {}}},
+                                             {{"start", {0, 0.0}}, {"end", {4, 1.0}}});
+  EXPECT_EQ(chosen_branch(zone, 0.9), int{wire::no_branch}) << "the section that ends 3.1 m ahead is no fork";
+  EXPECT_EQ(chosen_branch(zone, 1.1), 1);
+}
+
+TEST(BranchChoice, changes_to_the_next_fork_halfway_between_two_that_are_near_to_each_other) {
+  const zone::TrafficZone zone = test::graph("comb",
+                                             {{"stem", {0.0, 0.0, 0.0}, 1.0, 0.0, {1, 2}},
+                                              {"between", {1.0, 0.0, 0.0}, 0.12, 0.0, {3, 4}},
+                                              {"left", {1.0, 0.0, 0.0}, 1.0, 0.5, {}},
+                                              {"on", {1.12, 0.0, 0.0}, 1.0, 0.0, {}},
+                                              {"right", {1.12, 0.0, 0.0}, 1.0, -0.5, {}}},
+                                             {{"start", {0, 0.0}}, {"end", {4, 0.5}}});
+  EXPECT_EQ(chosen_branch(zone, 0.9), 0);
+  EXPECT_EQ(chosen_branch(zone, 1.055), 0);
+  EXPECT_EQ(chosen_branch(zone, 1.065), 1);
+  EXPECT_EQ(chosen_branch(zone, 1.2), 1);
+  EXPECT_EQ(chosen_branch(zone, 1.23), int{wire::no_branch});
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

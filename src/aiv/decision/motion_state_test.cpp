@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 namespace cosiva::aiv {
 namespace {
 
@@ -91,6 +94,44 @@ TEST(MotionState, keeps_its_state_in_another_zone) {
   EXPECT_EQ(after.speed_mps(), 0.003);
   EXPECT_TRUE(after.stopped());
   for (int k = 0; k < 24; ++k) EXPECT_FALSE(after.stuck(true, 0.0)) << "the measurement of progress restarts";
+}
+
+TEST(MotionState, is_moving_at_a_centimetre_per_second) {
+  MotionState motion;
+  for (int k = 0; k < 3; ++k) motion.on_odometry(at_speed(10));
+  EXPECT_FALSE(motion.stopped());
+  for (int k = 0; k < 2; ++k) motion.on_odometry(at_speed(-9));
+  EXPECT_TRUE(motion.stopped());
+}
+
+TEST(MotionState, has_a_turn_rate_by_readings_less_than_a_second_apart) {
+  const auto rate_radps = [](std::uint32_t first_ms, std::uint32_t second_ms) {
+    MotionState motion;
+    motion.on_odometry(turned(10, first_ms));
+    motion.on_odometry(turned(47, second_ms));
+    return motion.manoeuvre_turn_radps();
+  };
+  EXPECT_DOUBLE_EQ(rate_radps(500, 501), 37.0);
+  EXPECT_DOUBLE_EQ(rate_radps(500, 1499), 37.0 / 999.0);
+  EXPECT_EQ(rate_radps(500, 1500), 0.0);
+  EXPECT_EQ(rate_radps(500, 500), 0.0);
+  EXPECT_EQ(rate_radps(500, 499), 0.0) << "the board counts from zero again";
+}
+
+TEST(MotionState, waits_where_it_has_moved_less_than_half_a_millimetre_in_either_direction) {
+  for (const double moved_m : {0.0004, -0.0004, 0.0006, -0.0006}) {
+    MotionState motion;
+    for (int k = 0; k < 24; ++k) EXPECT_FALSE(motion.stuck(true, 3.0)) << k;
+    // The first of those gave the reference, and was no wait.
+    EXPECT_FALSE(motion.stuck(true, 3.0 + moved_m));
+    EXPECT_EQ(motion.stuck(true, 3.0 + moved_m), std::fabs(moved_m) < 0.0005) << moved_m;
+  }
+}
+
+TEST(MotionStateDeathTest, continues_another_state_only_before_it_has_moved_itself) {
+  MotionState moving;
+  moving.on_odometry(at_speed(400));
+  EXPECT_DEATH(moving.take_over(MotionState{}), "stopped_readings");
 }
 
 }  // namespace

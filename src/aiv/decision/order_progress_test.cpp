@@ -87,5 +87,10 @@ TEST(OrderProgress, is_lost_where_the_position_is_unknown) {
   EXPECT_TRUE(progress.take_lost());
 }
 
+TEST(OrderProgressDeathTest, ends_no_cancellation_that_has_not_begun) {
+  Progress progress;
+  EXPECT_DEATH(progress.end_cancel(), "cancelling_");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -305,5 +305,14 @@ TEST(VehicleState, uses_ranges_only_where_its_position_is_known_and_forgets_them
   EXPECT_EQ(vehicle.state.watch().ahead_m(vehicle.state.position()), std::numeric_limits<double>::infinity());
 }
 
+TEST(VehicleStateDeathTest, ends_a_cancellation_only_at_standstill) {
+  StateFixture vehicle;
+  vehicle.placed("trunk", 1.0).take(order("O-1").through({"T1", "F"}));
+  ASSERT_TRUE(vehicle.state.progress().begin_cancel());
+  vehicle.odometry.speed_mmps = 50;
+  vehicle.read();
+  EXPECT_DEATH(vehicle.state.end_cancel(), "stopped");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -397,5 +397,25 @@ TEST(Registry, accepts_another_algorithm_under_a_new_name) {
   EXPECT_EQ(registry.add({"My own", "", false, false, make}).error().code, "algorithm.name");
 }
 
+TEST(ArcKalman, accepts_a_reading_exactly_six_standard_deviations_off) {
+  Setting setting = setting_on(testing::straight(), 0.0);
+  setting.sensors.distance_variance_per_m = 0.0;
+  setting.sensors.fiducial_along_sigma_m = 0.0625;
+  for (const double off_m : {0.375, -0.375, 0.37501, -0.37501}) {
+    ArcKalman algorithm{setting};
+    algorithm.predict({5.0, 0.0, 1.0});
+    EXPECT_EQ(algorithm.rectify(at(5.0 + off_m)).accepted, std::fabs(off_m) == 0.375) << off_m;
+  }
+}
+
+TEST(ArcDeathTest, has_a_variance_that_is_not_negative_and_a_mean_of_at_least_one_reading) {
+  DeadReckoning algorithm{setting_on(testing::straight())};
+  EXPECT_DEATH(algorithm.predict({1.0, 0.0, 1.0, -1.0}), "p_m2 < 0.0");
+  Setting setting = setting_on(testing::straight());
+  setting.horizon = 0;
+  UnbiasedFir fir{setting};
+  EXPECT_DEATH(fir.rectify(at(0.02)), "snaps_.empty");
+}
+
 }  // namespace
 }  // namespace cosiva::estimation

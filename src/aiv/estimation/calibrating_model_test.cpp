@@ -279,5 +279,15 @@ TEST(CalibratingModel, backward_pass_through_measurements_is_their_update_of_the
   EXPECT_LT(difference(before.covariance - before.covariance * big * before.covariance, after.covariance), 1e-13);
 }
 
+TEST(CalibratingModel, range_over_a_micrometre_has_a_direction) {
+  Stations stations;
+  for (const double away_m : {5e-7, 2e-6}) {
+    const Calibrated::Vector origin = Calibrated::Vector::Zero();
+    const auto predicted =
+        model::predicted_reading(sensors_of_the_model(), stations, origin, Range{17, {away_m, 0.0}, 0.0});
+    EXPECT_EQ(predicted.count, away_m > 1e-6 ? 1 : 0) << away_m;
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::estimation

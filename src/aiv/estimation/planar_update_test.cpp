@@ -375,5 +375,26 @@ TEST(InvariantEkf, corrects_along_arcs) {
   }
 }
 
+TEST(Planar, filters_use_a_range_to_a_station_over_a_micrometre_away) {
+  for (const char* name : {"ekf", "iekf"}) {
+    for (const double away_m : {5e-7, 2e-6}) {
+      const auto filter = *Registry{}.make(name, Setting{});
+      EXPECT_EQ(filter->rectify(Range{1, {away_m, 0.0}, 0.0}).nis.has_value(), away_m > 1e-6) << name << away_m;
+    }
+  }
+}
+
+TEST(PlanarDeathTest, has_no_negative_variances) {
+  // A step of odometry that states a negative variance of its distance, along x.
+  const Odometry impossible{0.0, 0.0, 1.0, -1.0};
+  Setting setting;
+  setting.start_sigma_m = 0.0;
+  InvariantEkf iekf{setting};
+  EXPECT_DEATH(iekf.predict(impossible), "has_variances");
+  Ekf ekf{setting};
+  ekf.predict(impossible);
+  EXPECT_DEATH(ekf.rectify(Range{1, {0.0, 5.0}, 5.0}), "has_variances");
+}
+
 }  // namespace
 }  // namespace cosiva::estimation

@@ -160,5 +160,23 @@ TEST(Track, gap_is_named) {
   EXPECT_NE(to_string(around).find("north"), std::string::npos);
 }
 
+TEST(Track, foot_may_be_off_by_exactly_as_much_as_is_permitted) {
+  const auto straight = testing::straight();
+  for (const double near_m : {1.5, 2.5}) {
+    EXPECT_EQ(straight->foot({2.0, 0.125}, near_m, 0.5, 0.125), 2.0) << near_m;
+    EXPECT_FALSE(straight->foot({2.0, 0.125}, near_m, 0.4999, 0.125)) << near_m;
+    EXPECT_FALSE(straight->foot({2.0, 0.125}, near_m, 0.5, 0.1249)) << near_m;
+  }
+}
+
+TEST(Track, that_is_open_is_no_longer_than_its_sections_and_closed_without_a_gap) {
+  const auto circuit = testing::oval_circuit();
+  const auto one = testing::track(circuit, {2}, false);
+  EXPECT_NEAR(one->length_m(), 3.0, 1e-12);
+  EXPECT_FALSE(one->closed());
+  EXPECT_EQ(Track::make(circuit, {2}, true).error().code, "track.gap");
+  EXPECT_TRUE(Track::make(circuit, {2, 3, 0, 1}, true));
+}
+
 }  // namespace
 }  // namespace cosiva::estimation

@@ -176,5 +176,16 @@ TEST(Beacon, outliers_that_do_not_agree_stay_outliers) {
   EXPECT_EQ(estimator.track_position().section, 5U);
 }
 
+TEST(EstimateDeathTest, takes_no_goal_off_the_path_where_no_path_is_near) {
+  Estimator estimator;
+  estimator.stopped_at("east", 0.5);
+  EXPECT_DEATH(estimator.aim(at(lacet4(), "east", 0.7)), "near_path");
+}
+
+TEST(EstimateDeathTest, takes_no_beacon_without_a_position) {
+  OnPathEstimator estimator{lacet4().circuit, ideal};
+  EXPECT_DEATH(static_cast<void>(estimator.on_beacon({0.0, 0.0}, 0.0, 0.0)), "known_");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "cosiva/aiv/localisation/test_estimator.h"
 #include "cosiva/aiv/testing/test_graphs.h"
@@ -198,6 +200,121 @@ TEST(EstimateOffPath, keeps_pose_and_odometer_from_one_zone_to_the_next) {
   EXPECT_TRUE(after.near_path());
   EXPECT_NEAR(after.pose().heading_rad, 0.6, 1e-9);
   EXPECT_EQ(after.travelled_m(), before.travelled_m());
+}
+
+TEST(EstimateOffPath, joins_a_path_within_30_centimetres_and_the_rounding_of_a_report) {
+  for (const double off_m : {0.304, 0.306}) {
+    Estimator estimator{diamond()};
+    estimator.set_off_path({0.5, off_m, 0.0});
+    EXPECT_EQ(estimator.near_path(), off_m < 0.305) << off_m;
+    EXPECT_NEAR(estimator.off_path_estimator().off_by_m(), off_m, 1e-9);
+  }
+}
+
+TEST(EstimateOffPath, has_found_a_path_when_its_wheels_have_moved_a_centimetre) {
+  for (const double distance_m : {0.0096, 0.0104, -0.0096, -0.0104}) {
+    Estimator estimator{diamond()};
+    estimator.set_off_path({0.5, 0.05, 0.0});
+    const double moved_m = estimator.drive(distance_m);
+    EXPECT_EQ(estimator.off_path(), std::fabs(distance_m) < 0.01) << distance_m;
+    EXPECT_NEAR(moved_m, std::fabs(distance_m) < 0.01 ? 0.0 : distance_m, 1e-9) << distance_m;
+  }
+  // Away from all paths the pose moves on straight ahead.
+  Estimator away{diamond()};
+  away.set_off_path({0.5, 1.0, 0.5 * pi});
+  EXPECT_EQ(away.drive(0.1), 0.0);
+  EXPECT_NEAR(away.pose().x_m, 0.5, 1e-9);
+  EXPECT_NEAR(away.pose().y_m, 1.1, 1e-9);
+}
+
+/// The pose after two reports of manoeuvres of a body that is off the path at (0.5, 0.25), facing the path.
+Pose2 after_manoeuvres(wire::Manoeuvre first, wire::Manoeuvre second, std::int64_t driven_um = 0) {
+  Estimator estimator{diamond()};
+  estimator.set_off_path({0.5, 0.25, -pi / 2.0});
+  estimator.odometry.manoeuvre = first;
+  estimator.on_odometry(estimator.odometry);
+  estimator.odometry.manoeuvre = second;
+  estimator.odometry.distance_um += driven_um;
+  estimator.on_odometry(estimator.odometry);
+  return estimator.pose();
+}
+
+TEST(EstimateOffPath, takes_a_manoeuvre_that_comes_back_by_over_3_millimetres_for_another) {
+  EXPECT_NEAR(after_manoeuvres({100, 0, 0}, {98, 0, 0}).y_m, 0.25 - 0.098, 1e-9);
+  EXPECT_NEAR(after_manoeuvres({100, 0, 0}, {96, 0, 0}).y_m, 0.25 - 0.1 - 0.096, 1e-9);
+  EXPECT_NEAR(after_manoeuvres({60, 80, 0}, {57, 80, 0}).y_m, 0.25 - 0.057, 1e-9) << "98.2 of 100 mm";
+}
+
+TEST(EstimateOffPath, takes_a_turn_on_the_spot_that_comes_back_by_over_a_fiftieth_of_a_radian_for_another) {
+  const auto turned_rad = [](wire::Manoeuvre first, wire::Manoeuvre second) {
+    return wrap_angle(after_manoeuvres(first, second).heading_rad + pi / 2.0);
+  };
+  EXPECT_NEAR(turned_rad({0, 0, 600}, {0, 0, 581}), 0.581, 1e-9);
+  EXPECT_NEAR(turned_rad({0, 0, 600}, {0, 0, 579}), 0.6 + 0.579, 1e-9);
+  EXPECT_NEAR(turned_rad({0, 0, -600}, {0, 0, -581}), -0.581, 1e-9);
+  EXPECT_NEAR(turned_rad({0, 0, -600}, {0, 0, -579}), -0.6 - 0.579, 1e-9);
+  // On its last leg it turns back to its goal's heading.
+  EXPECT_NEAR(turned_rad({100, 0, 600}, {100, 0, 100}), 0.1, 1e-9);
+  EXPECT_NEAR(turned_rad({0, 0, 600}, {1, 0, 100}), 0.1, 1e-9);
+}
+
+TEST(EstimateOffPath, takes_a_manoeuvre_after_more_than_two_millimetres_of_driving_for_another) {
+  const auto turned_rad = [](std::int64_t driven_um) {
+    return wrap_angle(after_manoeuvres({0, 0, 600}, {0, 0, 700}, driven_um).heading_rad + pi / 2.0);
+  };
+  EXPECT_NEAR(turned_rad(1'900), 0.7, 1e-9);
+  EXPECT_NEAR(turned_rad(-1'900), 0.7, 1e-9);
+  EXPECT_NEAR(turned_rad(2'100), 1.3, 1e-9);
+  EXPECT_NEAR(turned_rad(-2'100), 1.3, 1e-9);
+}
+
+TEST(EstimateOffPath, is_on_a_path_where_its_manoeuvre_ended_within_6_centimetres_and_0_3_rad) {
+  const auto lands = [](wire::Manoeuvre last) {
+    Estimator estimator{diamond()};
+    estimator.set_off_path({0.5, 0.1, 0.0});
+    estimator.odometry.manoeuvre = last;
+    estimator.on_odometry(estimator.odometry);
+    const EstimateStep end = estimator.end();
+    EXPECT_EQ(end.kind, estimator.off_path() ? FixKind::relocated : FixKind::none);
+    EXPECT_NEAR(end.step_m, estimator.off_path() ? 0.0 : 1e-3 * last.x_mm, 1e-9);
+    return !estimator.off_path();
+  };
+  EXPECT_TRUE(lands({50, -41, 0}));
+  EXPECT_FALSE(lands({50, -39, 0}));
+  EXPECT_TRUE(lands({50, -159, 0}));
+  EXPECT_FALSE(lands({50, -161, 0}));
+  EXPECT_TRUE(lands({50, -100, 299}));
+  EXPECT_FALSE(lands({50, -100, 301}));
+  EXPECT_FALSE(lands({50, -100, -301}));
+}
+
+TEST(EstimateOffPath, is_relocated_where_its_manoeuvre_ended_on_another_section) {
+  Estimator estimator{diamond()};
+  estimator.set_off_path({1.9, 0.1, 0.0});
+  EXPECT_EQ(estimator.section(), "trunk");
+  // 0.2 m beyond the fork the left branch has turned by 0.2 rad, and is 2 cm to the left.
+  estimator.odometry.manoeuvre = wire::Manoeuvre{299, -80, 200};
+  estimator.on_odometry(estimator.odometry);
+  EXPECT_EQ(estimator.end().kind, FixKind::relocated);
+  EXPECT_FALSE(estimator.off_path());
+  EXPECT_EQ(estimator.section(), "l_up");
+  EXPECT_NEAR(estimator.track_position().s_m, 0.2, 0.002);
+}
+
+TEST(EstimateOffPath, resumes_a_persisted_manoeuvre_at_its_pose_and_none_that_is_reported_already) {
+  Estimator estimator{diamond()};
+  estimator.set_off_path({0.5, 0.2, 0.0});
+  estimator.resume_manoeuvre({0.1, 0.0, 0.0}, std::nullopt);
+  EXPECT_LT(distance(estimator.pose(), {0.5, 0.2, 0.0}), 1e-9);
+  estimator.odometry.manoeuvre = wire::Manoeuvre{150, 0, 0};
+  estimator.on_odometry(estimator.odometry);
+  EXPECT_LT(distance(estimator.pose(), {0.55, 0.2, 0.0}), 1e-9);
+  estimator.resume_manoeuvre({0.3, 0.0, 0.0}, std::nullopt);
+  EXPECT_LT(distance(estimator.pose(), {0.55, 0.2, 0.0}), 1e-9);
+  Estimator lost{diamond()};
+  lost.resume_manoeuvre({0.1, 0.0, 0.0}, std::nullopt);
+  EXPECT_FALSE(lost.pose_known());
+  EXPECT_FALSE(lost.off_path_estimator().manoeuvring());
 }
 
 }  // namespace

@@ -319,5 +319,91 @@ TEST(OnPathEstimate, keeps_its_course_over_a_joint_that_it_passes_back_over) {
   EXPECT_EQ(diamond().circuit.part(remaining[1]).name, "r_down");
 }
 
+/// A straight of 1 m, 6.25 cm more in its direction, and a bend to the left.
+zone::TrafficZone elbow() {
+  return test::graph("elbow",
+                     {{"first", {0.0, 0.0, 0.0}, 1.0, 0.0, {1}},
+                      {"second", {1.0, 0.0, 0.0}, 0.0625, 0.0, {2}, true},
+                      {"up", {1.0625, 0.0, 0.5 * pi}, 1.0, 0.0, {}}},
+                     {});
+}
+
+TEST(OnPathEstimate, searches_beyond_a_joint_for_the_bend_where_it_turns_or_waits) {
+  const zone::TrafficZone zone = elbow();
+  Estimator turns{zone};
+  EXPECT_NEAR(turns.stopped_at("first", 0.95).turn(0.1).step_m, 0.1125, 1e-5);
+  EXPECT_EQ(turns.section(), "second");
+  Estimator waits{zone};
+  EXPECT_NEAR(waits.stopped_at("first", 0.95).on_stuck(), 0.1125, 1e-5);
+  EXPECT_EQ(waits.section(), "second");
+  EXPECT_NEAR(waits.track_position().s_m, 0.0625, 1e-5);
+  Estimator too_far{zone};
+  EXPECT_EQ(too_far.stopped_at("first", 0.91).on_stuck(), 0.0);
+  EXPECT_EQ(too_far.turn(0.1).step_m, 0.0);
+}
+
+TEST(OnPathEstimate, that_waits_is_as_certain_as_where_it_was_placed) {
+  Estimator estimator{diamond()};
+  estimator.stopped_at("trunk", 1.5).drive(0.4);
+  EXPECT_GT(estimator.on_path_estimator().sigma_m(), 0.011);
+  EXPECT_NEAR(estimator.on_stuck(), 0.1, 1e-5);
+  EXPECT_NEAR(estimator.on_path_estimator().sigma_m(), 0.01, 1e-9);
+}
+
+TEST(OnPathEstimate, takes_the_branch_nearest_to_the_turn_but_its_course_s_within_0_3_rad) {
+  // From west a quarter turn leads to south, a sixth of a full turn to the bow.
+  const auto section_after = [](double turned_rad, bool with_course) {
+    Estimator estimator{test::square()};
+    estimator.stopped_at("west", 1.0);
+    if (with_course) estimator.along({"west", "south"});
+    for (double turned = 0.2; turned < turned_rad; turned += 0.2) estimator.turn(turned);
+    estimator.turn(turned_rad);
+    EXPECT_EQ(estimator.end().kind, with_course && turned_rad < 1.27 ? FixKind::relocated : FixKind::none);
+    return estimator.section();
+  };
+  EXPECT_EQ(section_after(1.4, false), "south");
+  EXPECT_EQ(section_after(1.2, false), "bow");
+  EXPECT_EQ(section_after(1.3, false), "bow");
+  EXPECT_EQ(section_after(1.3, true), "south");
+  EXPECT_EQ(section_after(1.2, true), "bow");
+}
+
+TEST(OnPathEstimate, takes_a_beacon_beyond_its_antenna_s_range_for_one_next_to_it) {
+  zone::TrafficZone zone = diamond();
+  zone.beacons = zone::BeaconGrid{1.0, {1.0, 0.03}, 1, 1};
+  PositionEstimator estimator{zone};
+  estimator.position_at(at(zone, "trunk", 0.9));
+  EXPECT_NEAR(estimator.on_tag(zone.beacons->first_number, 0.1, 0.5).correction_m, 0.1 + 0.06, 1e-9);
+  EXPECT_NEAR(std::pow(estimator.on_path_estimator().sigma_m(), 2), 16e-6 + 0.05 * 0.03 * 0.03, 1e-12);
+}
+
+TEST(OnPathEstimate, is_relocated_only_to_a_path_within_8_centimetres_of_the_second_beacon) {
+  for (const double off_m : {0.079, -0.079, 0.081, -0.081}) {
+    zone::TrafficZone zone = diamond();
+    const Point2 on_tail = cosiva::position(zone.circuit.pose_at(at(zone, "tail", 0.5)));
+    zone.beacons = zone::BeaconGrid{0.4, {on_tail.x_m, on_tail.y_m + off_m}, 2, 1};
+    Estimator estimator{zone};
+    estimator.stopped_at("trunk", 0.1);
+    EXPECT_EQ(estimator.on_tag(zone.beacons->first_number, 0.0, 0.0).kind, FixKind::outlier);
+    estimator.drive(0.4);
+    EXPECT_EQ(estimator.on_tag(zone.beacons->first_number + 1, 0.0, 0.0).kind,
+              std::fabs(off_m) < 0.08 ? FixKind::relocated : FixKind::outlier)
+        << off_m;
+  }
+}
+
+TEST(OnPathEstimate, ends_a_doubt_with_the_next_fix) {
+  zone::TrafficZone zone = diamond();
+  zone.tags = {{1, at(zone, "trunk", 0.3)}};
+  zone.beacons = zone::BeaconGrid{0.4, cosiva::position(zone.circuit.pose_at(at(zone, "tail", 0.5))), 2, 1};
+  Estimator estimator{zone};
+  estimator.stopped_at("trunk", 0.1);
+  EXPECT_EQ(estimator.on_tag(zone.beacons->first_number, 0.0, 0.0).kind, FixKind::outlier);
+  estimator.drive(0.2);
+  EXPECT_EQ(estimator.on_tag(1, 0.0, 0.0).kind, FixKind::corrected);
+  estimator.drive(0.2);
+  EXPECT_EQ(estimator.on_tag(zone.beacons->first_number + 1, 0.0, 0.0).kind, FixKind::outlier);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -336,5 +336,33 @@ TEST(AivMotion, shifts_forwards_through_given_sections_and_back_through_traverse
   EXPECT_NEAR(end.shift(circuit, 0.5, {}, std::vector<zone::SectionId>{6}), 0.1, 1e-12) << "the route ends there";
 }
 
+TEST(AivMotion, shifts_along_given_sections_to_the_very_end_or_begin_of_one) {
+  const zone::Circuit& circuit = test::diamond().circuit;
+  AivMotion motion{circuit, {0, 1.5}};
+  EXPECT_EQ(motion.shift(circuit, 0.5, std::vector<zone::SectionId>{4, 5}), 0.5);
+  EXPECT_EQ(motion.track_position(circuit), (zone::TrackPosition{0, 2.0}));
+  AivMotion back{circuit, {4, 0.25}};
+  EXPECT_EQ(back.shift(circuit, -0.25, {}, std::vector<zone::SectionId>{0}), -0.25);
+  EXPECT_EQ(back.track_position(circuit), (zone::TrackPosition{4, 0.0}));
+}
+
+TEST(MotionDeathTest, needs_a_section_of_the_circuit_and_a_distance_from_zero_to_a_thousand_million_metres) {
+  const auto circuit = stadium();
+  EXPECT_DEATH(static_cast<void>(AivMotion{circuit, {4, 0.0}}), "position.section < circuit.size");
+  AivMotion aiv{circuit, {0, 0.5}};
+  EXPECT_DEATH(aiv.move(circuit, -0.1), "DTT_m >= 0.0");
+  EXPECT_DEATH(aiv.move(circuit, 1.1e9), "DTT_m_max");
+}
+
+TEST(MotionDeathTest, of_many_vehicles_needs_as_many_distances_and_poses) {
+  const auto circuit = stadium();
+  std::vector<AivMotion> fleet(2, AivMotion{circuit, {0, 0.5}});
+  std::vector<double> DTT_m(1, 0.1);
+  EXPECT_DEATH(move_all(circuit, fleet, DTT_m, {}), "DTT_m.size");
+  DTT_m.push_back(0.1);
+  std::vector<Pose2> poses(1);
+  EXPECT_DEATH(move_all(circuit, fleet, DTT_m, poses), "poses.empty");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

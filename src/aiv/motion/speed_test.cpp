@@ -109,5 +109,23 @@ TEST(CrispChoice, is_slow_near_an_obstacle_and_with_a_low_battery) {
   EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::slow);
 }
 
+TEST(StoppableSpeedDeathTest, needs_brakes_and_no_time_travel) {
+  EXPECT_DOUBLE_EQ(stoppable_speed(2.0, 1.0, 0.0), 2.0);
+  EXPECT_DEATH(static_cast<void>(stoppable_speed(1.0, 0.0, 0.1)), "braking_mps2 > 0.0");
+  EXPECT_DEATH(static_cast<void>(stoppable_speed(1.0, 1.0, -0.1)), "late_s >= 0.0");
+}
+
+TEST(CrispChoice, needs_a_base_and_35_centimetres) {
+  Situation situation = free_path;
+  situation.end_of_base_m = 0.001;
+  EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::medium);
+  situation.end_of_base_m = -0.001;
+  EXPECT_EQ(CrispSpeedPolicy{}.choose(situation), Profile::stop);
+  // An obstacle 0.35 m away, a tenth of the charge.
+  EXPECT_EQ(CrispSpeedPolicy{}.choose({0.3, 0.35, 1.0, nothing, 0.10, std::nullopt}), Profile::medium);
+  EXPECT_EQ(CrispSpeedPolicy{}.choose({0.3, 0.349, 1.0, nothing, 0.10, std::nullopt}), Profile::slow);
+  EXPECT_EQ(CrispSpeedPolicy{}.choose({0.3, 0.35, 1.0, nothing, 0.099, std::nullopt}), Profile::slow);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/zone/rtm/rtm.h"
 
@@ -51,6 +54,35 @@ TEST(DrivingContext, keeps_the_restrictions_of_the_agent_that_it_takes_over) {
   const DrivingContext after{lacet4(), {}, before.agent()};
   EXPECT_TRUE(after.vehicle().holds().has(Hold::paused));
   EXPECT_EQ(after.agent().instructions().imposed, Profile::slow);
+}
+
+TEST(DrivingContext, forgets_a_contradicting_beacon_where_beacons_may_have_been_moved) {
+  // Two beacons next to the loop in the south-east, while the estimate is in the north-west.
+  const Point2 first{1.0, -0.25};
+  const Point2 second{1.25, -0.5};
+  const auto& loop = lacet4().circuit.section(1);
+  for (const bool moved : {false, true}) {
+    DrivingContext context{lacet4(), {}};
+    wire::Odometry odometry;
+    context.agent().on_odometry(odometry);
+    context.vehicle().estimator().position_at(test::at(lacet4(), "loop_nw", 1.0));
+    EXPECT_EQ(context.vehicle().on_tag({0, lacet4().beacons->nearest(first)->number, 0}).kind, FixKind::outlier);
+    if (moved) context.adopt_fiducials(lacet4());
+    for (int i = 0; i < 100; ++i) {
+      odometry.distance_um += std::llround(1e4 * (loop.nearest(second).s_m - loop.nearest(first).s_m));
+      context.agent().on_odometry(odometry);
+    }
+    EXPECT_EQ(context.vehicle().on_tag({0, lacet4().beacons->nearest(second)->number, 0}).kind,
+              moved ? FixKind::outlier : FixKind::relocated);
+  }
+}
+
+TEST(DrivingContextDeathTest, is_taken_over_only_from_a_vehicle_that_has_stopped) {
+  DrivingContext before{lacet4(), {}};
+  wire::Odometry moving;
+  moving.speed_mmps = 400;
+  before.agent().on_odometry(moving);
+  EXPECT_DEATH(static_cast<void>(DrivingContext{lacet4(), {}, before.agent()}), "stopped");
 }
 
 }  // namespace

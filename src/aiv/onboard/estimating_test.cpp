@@ -425,5 +425,67 @@ TEST(BoardClock, takes_a_change_of_more_than_a_second_for_a_clock_that_was_set) 
   EXPECT_EQ(stamped_after(-std::chrono::seconds{1}), -std::chrono::seconds{1}) << "a smaller offset is always better";
 }
 
+TEST(Estimating, shortens_its_reason_to_what_a_response_holds) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {std::string(2000, 'm')});
+  EXPECT_EQ(vehicle.response().fault.size(), EstimateResponse::fault_bytes_max);
+}
+
+TEST(Estimating, accepts_readings_at_standstill) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  vehicle.response();
+  vehicle.now += milliseconds{20};
+  vehicle.estimating.on_odometry(vehicle.now, {vehicle.now, 0.0, 0.0, 0.0, vehicle.current_estimate()});
+  vehicle.read(1);
+  vehicle.step_m = 0.0;
+  vehicle.request_estimate(2);
+  const EstimateResponse response = vehicle.response();
+  ASSERT_THAT(response.inputs, SizeIs(1));
+  EXPECT_EQ(std::get<EstimateResponse::Reading>(response.inputs[0]).fiducial, 1U);
+}
+
+TEST(Estimating, reports_a_beacon_at_the_rim_of_the_antenna_and_as_far_off_the_path_as_it_lies) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"dead_reckoning"});
+  vehicle.response();
+  const auto detected_off_path = [&](double off_m) {
+    zone::TrafficZone zone = lacet4();
+    zone.beacons = zone::BeaconGrid{1.0, {-0.5, -0.15 + off_m}, 1, 1};  // east leads along y = -0.15 m
+    vehicle.step();
+    vehicle.estimating.on_tag(zone.beacons->first_number, vehicle.now, zone, {-0.5, -0.15, 0.0});
+    vehicle.request_estimate(++vehicle.last_sequence);
+    const EstimateResponse response = vehicle.response();
+    for (const auto& input : response.inputs) {
+      if (const auto* reading = std::get_if<EstimateResponse::Reading>(&input)) return reading->detected_B;
+    }
+    return Point2{9.0, 9.0};
+  };
+  // The field reaches 2 cm; the number comes 20 ms later, at 0.5 m/s.
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_NEAR(detected_off_path(side * 0.012).x_m, 0.016 - 0.01, 1e-9);
+    EXPECT_NEAR(detected_off_path(side * 0.012).y_m, side * 0.012, 1e-9);
+  }
+  EXPECT_NEAR(detected_off_path(0.021).x_m, 0.25 * pi * 0.02 - 0.01, 1e-9) << "beyond the field";
+  EXPECT_EQ(detected_off_path(0.021).y_m, 0.0);
+}
+
+TEST(Estimating, returns_to_its_loop_without_a_trace) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"ekf"});
+  vehicle.response();
+  const auto on_loop = vehicle.current_estimate();
+  auto elsewhere = on_loop;
+  elsewhere.position->section = zone::no_section;
+  for (int times = 0; times < 3; ++times) {
+    vehicle.step_with(0.25, 0.0, elsewhere);
+    vehicle.step_with(-0.25, 0.0, elsewhere);
+    vehicle.step_with(0.25, 0.0, on_loop);
+  }
+  vehicle.request_estimate(2);
+  vehicle.step_with(0.25, 0.0, on_loop);
+  EXPECT_THAT(vehicle.received()->fault, IsEmpty());
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

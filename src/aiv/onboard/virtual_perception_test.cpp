@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_zone.h"
 
 namespace cosiva::aiv {
@@ -105,6 +110,122 @@ TEST_F(VirtualPerceptionTest, acknowledges_and_logs_anew_after_a_zone_switch) {
   now += std::chrono::milliseconds{100};
   EXPECT_TRUE(list(8));
   EXPECT_EQ(effects.size(), 1U);
+}
+
+/// A vehicle at the start of a loop with an order of over a metre, and bodies on its path.
+struct VirtualBrakingTest : VirtualPerceptionTest {
+  VirtualBrakingTest() {
+    context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
+    EXPECT_TRUE(context.vehicle().take_order(test::order("O-1").through({"loop_se@0", "loop_se@1131"})));
+  }
+  /// A disc of 6 cm on the path.
+  [[nodiscard]] static wire::Body body(const std::string& id, double s_m) {
+    const Pose2 pose = lacet4().circuit.pose_at(test::at(lacet4(), "loop_se", s_m));
+    return {id, "person", pose.x_m, pose.y_m, 0.0, 0.0, 0.06, 0.0, 0.0};
+  }
+  void receive(std::uint32_t header_id, std::vector<wire::Body> bodies) {
+    const wire::VirtualObstacles obstacles{header_id, now, "lacet4", std::move(bodies)};
+    const wire::Input input{now, wire::InputKind::message, "", wire::to_json(obstacles), false};
+    EXPECT_TRUE(perception.on_bodies(now, input, context, effects));
+  }
+  void decide(bool server_lost = false) {
+    perception.update(now, server_lost, context);
+    (void)context.agent().decide();
+  }
+  [[nodiscard]] std::vector<wire::VirtualObstaclesAck> responses() {
+    std::vector<wire::VirtualObstaclesAck> all;
+    for (const wire::Effect& effect : effects)
+      all.push_back(wire::virtual_obstacles_ack_from_json(std::get<wire::Publish>(effect).payload).value());
+    effects.clear();
+    return all;
+  }
+};
+
+TEST_F(VirtualBrakingTest, names_the_body_for_which_it_brakes_and_the_distance) {
+  receive(5, {body("far", 0.6), body("near", 0.3)});
+  decide();
+  perception.acknowledge(now, context, session, effects);
+  const auto all = responses();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].virtual_obstacles_header_id, 5U);
+  EXPECT_EQ(all[0].decided, now);
+  EXPECT_TRUE(all[0].braking);
+  EXPECT_EQ(all[0].body, "near");
+  ASSERT_TRUE(all[0].distance_m);
+  EXPECT_NEAR(*all[0].distance_m, 0.3 - 0.06 - 0.1, 0.01);
+}
+
+TEST_F(VirtualBrakingTest, acknowledges_a_list_by_which_it_brakes_for_another_body) {
+  receive(5, {body("a", 0.3), body("b", 0.5)});
+  decide();
+  perception.acknowledge(now, context, session, effects);
+  EXPECT_EQ(responses().size(), 1U);
+  now += std::chrono::milliseconds{100};
+  receive(6, {body("a", 0.3), body("b", 0.5)});
+  decide();
+  perception.acknowledge(now, context, session, effects);
+  EXPECT_TRUE(responses().empty());
+  now += std::chrono::milliseconds{100};
+  receive(7, {body("a", 0.5), body("b", 0.3)});
+  decide();
+  perception.acknowledge(now, context, session, effects);
+  const auto all = responses();
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].body, "b");
+}
+
+TEST_F(VirtualBrakingTest, responds_once_when_braking_begins_and_once_when_it_ends) {
+  decide();
+  perception.publish_change(now, context, session, effects);
+  EXPECT_TRUE(responses().empty());
+  receive(5, {body("a", 0.3)});
+  decide();
+  perception.publish_change(now, context, session, effects);
+  const auto begun = responses();
+  ASSERT_EQ(begun.size(), 1U);
+  EXPECT_TRUE(begun[0].braking);
+  perception.acknowledge(now, context, session, effects);
+  EXPECT_TRUE(responses().empty()) << "the list has its response already";
+  now += std::chrono::milliseconds{1001};
+  decide();
+  perception.publish_change(now, context, session, effects);
+  const auto ended = responses();
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_FALSE(ended[0].braking);
+  EXPECT_EQ(ended[0].body, "");
+  EXPECT_FALSE(ended[0].distance_m);
+  perception.publish_change(now, context, session, effects);
+  EXPECT_TRUE(responses().empty());
+}
+
+TEST_F(VirtualBrakingTest, keeps_its_bodies_while_the_server_is_lost) {
+  receive(5, {body("a", 0.3)});
+  for (int i = 0; i < 4; ++i) {
+    now += std::chrono::milliseconds{900};
+    decide(true);
+    EXPECT_TRUE(context.agent().decision().braking_for_virtual) << i;
+  }
+  now += std::chrono::milliseconds{1000};
+  decide();
+  EXPECT_TRUE(context.agent().decision().braking_for_virtual);
+  now += std::chrono::milliseconds{1};
+  decide();
+  EXPECT_FALSE(context.agent().decision().braking_for_virtual);
+  EXPECT_FALSE(context.virtual_bodies().informed());
+}
+
+TEST_F(VirtualBrakingTest, perceives_nothing_without_a_position_and_uses_no_list_that_cannot_be_read) {
+  DrivingContext lost{lacet4(), {}};
+  const wire::Input unreadable{now, wire::InputKind::message, "", "{", false};
+  EXPECT_FALSE(perception.on_bodies(now, unreadable, lost, effects));
+  EXPECT_FALSE(perception.on_bodies(now, unreadable, lost, effects));
+  ASSERT_EQ(effects.size(), 1U) << "one line per kind";
+  EXPECT_EQ(std::get<wire::Log>(effects[0]).level, 'w');
+  EXPECT_EQ(std::get<wire::Log>(effects[0]).text.substr(0, 28), "virtual obstacles not used: ");
+  receive(5, {body("a", 0.3)});
+  lost.virtual_bodies().receive(now, {5, now, "lacet4", {body("a", 0.3)}});
+  perception.update(now, false, lost);
+  EXPECT_FALSE(lost.agent().finds_body());
 }
 
 }  // namespace

@@ -126,5 +126,12 @@ TEST_F(ZoneSelectionTest, gives_the_rtm_of_a_first_or_edited_zone_only) {
   EXPECT_EQ(other_tags.rtm->zone().name, "lacet4");
 }
 
+TEST_F(ZoneSelectionTest, needs_the_zone_that_is_in_force_and_no_other_rtm_than_the_announced_zone_s) {
+  EXPECT_DEATH(announce(test::lacet4_configuration()), "in_force != nullptr");
+  const auto other = std::make_shared<const zone::Rtm>(*zone::Rtm::initialise(renamed()));
+  EXPECT_DEATH(static_cast<void>(zones.on_announced(test::lacet4_configuration(), other, nullptr, effects)),
+               "configuration");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -87,5 +87,29 @@ TEST(CrossingFinder, ends_where_the_circuit_ends_and_after_two_rounds_of_a_loop)
                {{0, 0.05, 0.85, 3.85}, {1, 1.05, 1.85, 3.85}, {0, 2.05, 2.85, 3.85}, {1, 3.05, 3.85, 3.85}});
 }
 
+TEST(CrossingFinder, counts_a_crossing_at_its_reach_and_none_whose_exit_is_under_the_vehicle) {
+  const auto zone = with_crossings({{{0, 0.25, 0.625}}, {{0, 1.0, 1.25}}}, {{5.0}});
+  expect_spans(zone, {0, 0.625}, 0.375, {{1, 0.375, 0.625, 0.625}});
+  // The next section begins at the reach.
+  const auto joint = with_crossings({{{1, 0.0, 0.25}}}, {{1.0}, {1.0}});
+  expect_spans(joint, {0, 0.5}, 0.5, {{0, 0.5, 0.75, 0.75}});
+}
+
+TEST(CrossingFinder, ends_a_chain_where_a_vehicle_has_exactly_the_room_to_stop) {
+  // A vehicle of 0.15 m needs 0.25 m.
+  auto zone = with_crossings({{{0, 1.0, 1.25}}, {{0, 1.5, 1.75}}, {{0, 1.9375, 2.0}}}, {{5.0}});
+  zone.vehicle.length_m = 0.15;
+  ASSERT_EQ(zone::stopping_room_m(zone.vehicle), 0.25);
+  expect_spans(zone, {0, 0.5}, 4.0, {{0, 0.5, 0.75, 0.75}, {1, 1.0, 1.25, 1.5}, {2, 1.4375, 1.5, 1.5}});
+}
+
+TEST(CrossingFinder, joins_the_parts_of_one_crossing_over_a_micrometre) {
+  const auto from_joint = [](double from_m) {
+    return with_crossings({{{0, 0.5, 1.0}, {1, from_m, 0.25}}}, {{1.0}, {1.0}});
+  };
+  expect_spans(from_joint(5e-7), {0, 0.25}, 3.0, {{0, 0.25, 1.0, 1.0}});
+  expect_spans(from_joint(2e-6), {0, 0.25}, 3.0, {{0, 0.25, 0.75, 1.0}, {0, 0.75 + 2e-6, 1.0, 1.0}});
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

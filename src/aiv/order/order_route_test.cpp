@@ -3,6 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "cosiva/aiv/order/order_book.h"
 #include "cosiva/aiv/testing/test_graphs.h"
 #include "cosiva/aiv/testing/test_orders.h"
@@ -165,6 +171,72 @@ TEST(CourseOfAnOrder, is_the_present_section_when_there_was_no_order) {
   const zone::Course course = book.course_from(at(diamond(), "r_over", 0.1));
   EXPECT_EQ(course.here(), at(diamond(), "r_over", 0.0).section);
   EXPECT_THAT(course.remaining(), testing::IsEmpty());
+}
+
+TEST(OrderRouter, follows_an_edge_s_name_only_where_edges_are_sections) {
+  auto right = order("O-1").through({"F", "M"});
+  right.edge(0).edge_id = "r_up";
+  EXPECT_EQ(OrderRouter{diamond()}.first_positions(right)->size(), 2U);
+  zone::TrafficZone named = diamond();
+  named.edges_are_sections = true;
+  const OrderRouter router{named};
+  EXPECT_EQ(*router.first_positions(right), std::vector<zone::TrackPosition>{at(named, "r_up", 0.0)});
+  right.edge(0).edge_id = "no section";
+  EXPECT_EQ(router.first_positions(right)->size(), 2U);
+  right.edge(0).edge_id = "tail";  // a section that does not start at the node
+  EXPECT_EQ(router.first_positions(right)->size(), 2U);
+  EXPECT_EQ(router.first_positions(order("O-1").through({"F"}))->size(), 2U);
+}
+
+TEST(OrderRouter, finds_at_most_sixteen_sections_under_one_unknown_node) {
+  std::vector<test::GraphPart> star;
+  for (int i = 0; i < 20; ++i) {
+    const Pose2 from_centre{0.0, 0.0, wrap_angle(0.3 * i)};
+    star.push_back({"ray" + std::to_string(i), from_centre, 1.0, 0.0, {}});
+  }
+  const zone::TrafficZone zone = test::graph("star", star, {});
+  wire::OrderNode node;
+  node.node_id = "centre";
+  node.position = wire::NodePosition{0.0, 0.0, {}, {}, {}, ""};
+  const auto all = OrderRouter{zone}.positions_of(node);
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->size(), 16U);
+  EXPECT_EQ(all->front().section, 0U);
+  EXPECT_EQ(all->back().section, 15U);
+}
+
+TEST(OrderRouter, takes_the_sections_that_pass_an_unknown_node_within_five_centimetres_of_the_nearest_one) {
+  const auto sections_at = [](double apart_m) {
+    const zone::TrafficZone zone = test::graph(
+        "lanes", {{"south", {0.0, 0.0, 0.0}, 2.0, 0.0, {}}, {"north", {0.0, apart_m, 0.0}, 2.0, 0.0, {}}}, {});
+    wire::OrderNode node;
+    node.node_id = "here";
+    node.position = wire::NodePosition{1.0, -0.1, {}, {}, {}, ""};
+    return OrderRouter{zone}.positions_of(node)->size();
+  };
+  EXPECT_EQ(sections_at(0.049), 2U);
+  EXPECT_EQ(sections_at(0.051), 1U);
+}
+
+TEST(OrderRouter, keeps_an_unknown_node_s_direction_to_a_quarter_turn_exactly) {
+  const auto found = [](double theta_rad) {
+    wire::OrderNode node;
+    node.node_id = "here";
+    node.position = wire::NodePosition{1.0, 0.1, theta_rad, {}, {}, ""};
+    return OrderRouter{diamond()}.positions_of(node).has_value();
+  };
+  EXPECT_TRUE(found(0.5 * pi));
+  EXPECT_TRUE(found(-0.5 * pi));
+  EXPECT_FALSE(found(1.0001 * 0.5 * pi));
+}
+
+TEST(OrderRouter, accepts_a_known_node_up_to_25_centimetres_from_its_stated_position) {
+  wire::OrderNode node;
+  node.node_id = "T1";
+  node.position = wire::NodePosition{1.25, 0.0, {}, {}, {}, ""};
+  EXPECT_TRUE(OrderRouter{diamond()}.positions_of(node));
+  node.position->x_m = 1.2500001;
+  EXPECT_FALSE(OrderRouter{diamond()}.positions_of(node));
 }
 
 }  // namespace

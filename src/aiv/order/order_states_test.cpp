@@ -254,5 +254,36 @@ TEST(NodePosition, locates_an_unknown_node_within_25_centimetres_and_in_its_dire
   EXPECT_TRUE(book.offer(moved, on_the_trunk(0.0)));
 }
 
+TEST(OrderStates, lose_a_node_on_the_route_exactly_where_it_lies) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(along_the_trunk(), on_the_trunk(0.0)));
+  EXPECT_TRUE(book.travelled(0.999).empty());
+  OrderBook exact{diamond()};
+  ASSERT_TRUE(exact.offer(along_the_trunk(), on_the_trunk(0.0)));
+  const auto traversed = exact.travelled(1.0);
+  ASSERT_EQ(traversed.size(), 1U);
+  EXPECT_EQ(traversed[0].node_id, "T1");
+}
+
+TEST(OrderCourse, is_that_of_a_position_exactly_ten_centimetres_off) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(along_the_trunk(), on_the_trunk(0.0)));
+  EXPECT_EQ(book.course_from(at(diamond(), "trunk", 0.10)).remaining().size(), 2U);
+}
+
+TEST(OrderUpdate, without_a_base_left_starts_where_the_vehicle_is_and_counts_on) {
+  OrderBook book{diamond()};
+  ASSERT_TRUE(book.offer(order("O-1").through({"T", "T1"}), on_the_trunk(0.0)));
+  EXPECT_EQ(book.travelled(0.99).size(), 1U);
+  ASSERT_FALSE(book.active());
+  // The vehicle was pushed on by 0.04 m.
+  ASSERT_TRUE(book.offer(order("O-1", 1).from_sequence(2).through({"T1", "F"}), on_the_trunk(1.03)));
+  EXPECT_NEAR(book.travelled_m(), 1.03, 1e-9);
+  EXPECT_EQ(book.accepted_at(), at(diamond(), "trunk", 1.03));
+  EXPECT_NEAR(book.distance_to_base_end_m(), 0.97, 1e-9);
+  ASSERT_EQ(book.targets().size(), 1U);
+  EXPECT_NEAR(book.targets()[0].path_m, 2.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

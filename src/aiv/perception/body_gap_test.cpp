@@ -87,5 +87,11 @@ TEST(BodyGap, off_the_path_is_measured_along_the_line_to_it) {
   EXPECT_EQ(straight.gap.gap_m(body_at(1.2, 0.2, 0.05), 0.0), no_body);
 }
 
+TEST(BodyGapDeathTest, has_a_corridor_no_narrower_than_the_body) {
+  Straight straight;
+  const BodyGap as_wide{straight.zone, {.margin_m = 0.0}};
+  EXPECT_DEATH(static_cast<void>(BodyGap{straight.zone, {.margin_m = -0.01}}), "margin_m >= 0.0");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -212,5 +212,13 @@ TEST(ObstacleFilter, brings_old_frames_nearer_as_the_vehicle_drives) {
   EXPECT_NEAR(filter.obstacle_ahead_m(1.06), 0.44, 1e-12);
 }
 
+TEST(CorridorDeathTest, is_no_narrower_than_the_body_and_an_echo_lies_within_its_beam) {
+  const Corridor widest{lacet4(), {.margin_m = 0.0, .beam_ratio = 0.5}};
+  const Corridor narrowest{lacet4(), {.margin_m = 0.0, .beam_ratio = 0.0}};
+  EXPECT_DEATH(static_cast<void>(Corridor{lacet4(), {.margin_m = -0.01}}), "margin_m >= 0.0");
+  EXPECT_DEATH(static_cast<void>(Corridor{lacet4(), {.beam_ratio = -0.01}}), "beam_ratio >= 0.0");
+  EXPECT_DEATH(static_cast<void>(Corridor{lacet4(), {.beam_ratio = 0.51}}), "beam_ratio <= 0.5");
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -94,5 +94,22 @@ TEST(PathLookAhead, ends_at_a_dead_end) {
   EXPECT_NEAR(look_ahead.length_m(), 0.7, 1e-12);
 }
 
+TEST(PathLookAheadDeathTest, has_a_step_shorter_than_its_reach) {
+  const zone::Circuit circuit = test::lay({{0.5}}, false);
+  EXPECT_DEATH(static_cast<void>(PathLookAhead{circuit, 0.0, 1.0}), "sample_m > 0.0");
+  EXPECT_DEATH(static_cast<void>(PathLookAhead{circuit, 0.1, 0.1}), "reach_m > sample_m");
+}
+
+TEST(PathLookAhead, has_a_sample_exactly_at_its_reach_and_at_the_end_of_a_section) {
+  // Steps of 0.25 m from 0.25 m on: the fourth is at the end of the first section, the fifth at the reach.
+  const zone::Circuit circuit = test::lay({{1.0}, {1.0}}, false);
+  PathLookAhead samples{circuit, 0.25, 1.0};
+  samples.sample(Outlook{0, 0.25});
+  EXPECT_EQ(samples.length_m(), 1.0);
+  EXPECT_EQ(samples.off_path({0.75, 0.0}).sample, 3U);
+  EXPECT_EQ(samples.off_path({0.75, 0.0}).distance2_m2, 0.0);
+  EXPECT_EQ(samples.off_path({1.0, 0.0}).sample, 4U);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

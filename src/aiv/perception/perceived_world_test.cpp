@@ -5,6 +5,11 @@
 #include <rapidcheck.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/base/random.h"
@@ -222,6 +227,48 @@ TEST(PerceivedWorld, gives_a_valid_gap_for_any_bodies) {
     const double gap = skin.gap_m({section, s_m});
     RC_ASSERT(gap == nothing || (gap >= 0.0 && gap <= 1.3));
   }));
+}
+
+TEST(PerceivedWorld, states_whether_a_body_has_been_added_or_has_disappeared) {
+  Skin skin;
+  const auto changes = [&](const std::vector<std::string>& ids) {
+    std::vector<wire::Body> bodies;
+    for (const std::string& id : ids) {
+      bodies.push_back(disc({9.0, 9.0}));
+      bodies.back().id = id;
+    }
+    return skin.world.receive(skin.now, {1, skin.now, "lacet4", std::move(bodies)});
+  };
+  EXPECT_FALSE(changes({}));
+  EXPECT_TRUE(changes({"a"}));
+  EXPECT_FALSE(changes({"a"}));
+  EXPECT_TRUE(changes({"a", "b"}));
+  EXPECT_FALSE(changes({"b", "a"}));
+  EXPECT_TRUE(changes({"a", "c"}));
+  EXPECT_TRUE(changes({"c"}));
+  EXPECT_TRUE(changes({}));
+}
+
+TEST(PerceivedWorld, is_part_of_the_digest) {
+  const auto digest_of = [](std::uint32_t header_id, std::vector<wire::Body> bodies) {
+    PerceivedWorld world{lacet4()};
+    world.receive(virtual_epoch, {header_id, virtual_epoch, "lacet4", std::move(bodies)});
+    Digest digest;
+    world.fold(digest);
+    return digest.value();
+  };
+  const auto usual = digest_of(7, {disc({1.0, 2.0})});
+  EXPECT_EQ(usual, digest_of(7, {disc({1.0, 2.0})}));
+  EXPECT_NE(usual, digest_of(8, {disc({1.0, 2.0})}));
+  EXPECT_NE(usual, digest_of(7, {disc({1.5, 2.0})}));
+  EXPECT_NE(usual, digest_of(7, {disc({1.0, 2.5})}));
+  EXPECT_NE(usual, digest_of(7, {disc({1.0, 2.0}), disc({1.0, 2.0})}));
+  wire::Body other = disc({1.0, 2.0});
+  other.id = "P9";
+  EXPECT_NE(usual, digest_of(7, {other}));
+  Digest nothing_received;
+  PerceivedWorld{lacet4()}.fold(nothing_received);
+  EXPECT_NE(digest_of(0, {}), nothing_received.value()) << "an empty message";
 }
 
 }  // namespace

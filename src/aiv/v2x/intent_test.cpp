@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/aiv/testing/test_graphs.h"
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/aiv/testing/test_zone.h"
 
@@ -250,6 +251,87 @@ TEST(News, are_changes_that_others_react_to_and_not_the_progress_on_the_path) {
   other = published;
   other.map_id = "indus8";
   EXPECT_TRUE(is_news(other, speaker));
+}
+
+/// What a vehicle at 0.5 m on a lane of 5 m publishes: a crossing leads from 1.0 m to 1.5 m, the base ends at `end_m`.
+wire::Intent on_lane(double end_m, bool more_announced, const std::string& section = "lane",
+                     const std::string& crossing = "X") {
+  zone::TrafficZone zone =
+      test::graph("map", {{section, {}, 5.0, 0.0, {}}}, {{"here", {0, 0.5}}, {"end", {0, end_m}}, {"on", {0, 4.5}}});
+  zone.crossings.push_back({crossing, {}, {{0, 1.0, 1.5}}});
+  Agent agent{zone};
+  agent.vehicle().estimator().position_at({0, 0.5});
+  auto text = order("O-1").through({"here", "end"});
+  if (more_announced) text.then({"on"});
+  EXPECT_TRUE(agent.vehicle().take_order(text));
+  return compose_intent(agent, zone, CrossingFinder{zone});
+}
+
+TEST(ComposeIntent, may_enter_a_crossing_with_a_base_up_to_five_millimetres_before_its_exit) {
+  const auto may_enter = [](double end_m) {
+    const auto crossings = on_lane(end_m, true).crossings;
+    EXPECT_EQ(crossings.size(), 1U) << end_m;
+    return !crossings.empty() && crossings.front().may_enter;
+  };
+  EXPECT_TRUE(may_enter(1.496));
+  EXPECT_FALSE(may_enter(1.494));
+  EXPECT_FALSE(may_enter(1.2)) << "the vehicle could not leave";
+  const wire::CrossingIntent crossing = on_lane(1.494, true).crossings.front();
+  EXPECT_EQ(crossing.name, "X");
+  EXPECT_EQ(crossing.entry_m, 0.5);
+  EXPECT_EQ(crossing.exit_m, 1.0);
+}
+
+TEST(ComposeIntent, enters_a_crossing_in_which_its_order_ends_and_requests_none_behind_its_end) {
+  ASSERT_EQ(on_lane(1.01, false).crossings.size(), 1U);
+  EXPECT_TRUE(on_lane(1.01, false).crossings.front().may_enter);
+  EXPECT_THAT(on_lane(1.0, false).crossings, IsEmpty());
+  EXPECT_THAT(on_lane(0.99, false).crossings, IsEmpty());
+}
+
+TEST(ComposeIntent, leaves_out_names_of_more_than_128_bytes) {
+  const std::string longest(128, 'n');
+  const std::string too_long(129, 'n');
+  const wire::Intent named = on_lane(2.0, true, longest, longest);
+  ASSERT_TRUE(named.position);
+  EXPECT_EQ(named.position->section, longest);
+  ASSERT_EQ(named.crossings.size(), 1U);
+  EXPECT_EQ(named.crossings.front().name, longest);
+  EXPECT_FALSE(on_lane(2.0, true, too_long).position);
+  EXPECT_THAT(on_lane(2.0, true, "lane", too_long).crossings, IsEmpty());
+}
+
+/// The route that a vehicle publishes at this distance along a section of 4 m, which another one of 1 m follows.
+std::vector<std::string> route_from(double s_m, const std::string& next) {
+  const zone::TrafficZone zone =
+      test::graph("map", {{"lane", {}, 4.0, 0.0, {1}}, {next, {4.0, 0.0, 0.0}, 1.0, 0.0, {}}}, {});
+  Agent agent{zone};
+  agent.vehicle().estimator().position_at({0, s_m});
+  return compose_intent(agent, zone, CrossingFinder{zone}).route;
+}
+
+TEST(ComposeIntent, states_sections_that_begin_less_than_three_metres_away_and_have_a_short_name) {
+  EXPECT_THAT(route_from(1.0, "next"), IsEmpty());
+  EXPECT_THAT(route_from(1.125, "next"), ElementsAre("next"));
+  EXPECT_THAT(route_from(3.5, std::string(128, 'n')), ElementsAre(std::string(128, 'n')));
+  EXPECT_THAT(route_from(3.5, std::string(129, 'n')), IsEmpty());
+}
+
+TEST(News, are_a_crossing_more_and_a_crossing_less) {
+  Speaker speaker{0.1};
+  speaker.take(order("O-1").through({"east@0", "east@190", "east@380"}).then({"east@1120"}));
+  wire::Intent published = speaker.compose();
+  ASSERT_GE(published.crossings.size(), 2U);
+  wire::Intent one_less = published;
+  one_less.crossings.pop_back();
+  EXPECT_TRUE(is_news(one_less, speaker));
+  wire::Intent one_more = published;
+  one_more.crossings.push_back(published.crossings.front());
+  EXPECT_TRUE(is_news(one_more, speaker));
+  wire::Intent renamed = published;
+  renamed.crossings[1].name = "another";
+  EXPECT_TRUE(is_news(renamed, speaker));
+  EXPECT_FALSE(is_news(published, speaker));
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   const Column y = design.column([](const Trial& t) { return t.value; });
   const auto n = static_cast<double>(trials.size());
   const Span whole = design.of(true, true, true);
-  if (!(n > whole.rank()) || trials.empty()) return std::nullopt;
+  if (!(n > whole.rank())) return std::nullopt;
 
   Crossed found{};
   found.noise_degrees = n - whole.rank();
@@ -143,8 +143,7 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   found.carrier = evaluate(no_carrier, carrier_levels);
   found.run = evaluate(design.of(true, true, false), 1.0);
   // Levels that are partly determined by the other factors have fewer degrees of freedom than their number less one.
-  found.confounded = (units.size() > 1 && found.unit.degrees < unit_levels - 1.5) ||
-                     (carriers.size() > 1 && found.carrier.degrees < carrier_levels - 1.5);
+  found.confounded = found.unit.degrees < unit_levels - 1.5 || found.carrier.degrees < carrier_levels - 1.5;
   if (found.confounded) found.unit = found.carrier = evaluate(design.of(false, false, true), unit_levels);
 
   const Span no_run = design.of(true, true, false);
@@ -153,15 +152,14 @@ std::optional<Crossed> crossed(std::span<const Trial> trials) {
   found.slope = run_norm > 1e-9 ? dot(run, y) / run_norm : 0.0;
   const double run_variance = variance(design.column([](const Trial& t) { return t.run; }));
   found.run.sd = std::fabs(found.slope) * std::sqrt(run_variance);
-  found.noise_sd = std::sqrt(std::max(0.0, noise));
+  found.noise_sd = std::sqrt(noise);
   const double carrier_variance = found.confounded ? 0.0 : found.carrier.sd * found.carrier.sd;
-  const double total =
-      found.unit.sd * found.unit.sd + carrier_variance + found.run.sd * found.run.sd + std::max(0.0, noise);
+  const double total = found.unit.sd * found.unit.sd + carrier_variance + found.run.sd * found.run.sd + noise;
   if (total > 0.0) {
     found.unit.ratio = found.unit.sd * found.unit.sd / total;
     found.carrier.ratio = carrier_variance / total;
     found.run.ratio = found.run.sd * found.run.sd / total;
-    found.noise_ratio = std::max(0.0, noise) / total;
+    found.noise_ratio = noise / total;
   }
   if (!found.confounded) {
     found.unit_effects = effects(design, design.units, no_unit, y, [](const Trial& t) { return t.unit; });

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "cosiva/base/math.h"
+
 namespace cosiva::statistics {
 namespace {
 
@@ -126,6 +128,28 @@ TEST(Distributions, have_no_quantile_of_what_is_no_probability) {
   // Less than one degree of freedom is possible: Welch's test may have it, and F with a half each is symmetric.
   EXPECT_NEAR(chi_squared_cdf(chi_squared_quantile(0.3, 0.5), 0.5), 0.3, 1e-9);
   EXPECT_NEAR(student_cdf(student_quantile(0.3, 0.5), 0.5), 0.3, 1e-9);
+}
+
+// Where the probability is tiny, or one only but for the last digits, only one of the two series converges.
+TEST(Distributions, are_relatively_exact_far_out_in_their_tails) {
+  EXPECT_NEAR(student_cdf(-1e6, 1.0) / (std::atan(1e-6) / pi), 1.0, 1e-11);
+  EXPECT_NEAR(incomplete_beta(1.0, 20.0, 1e-13) / -std::expm1(20.0 * std::log1p(-1e-13)), 1.0, 1e-11);
+  EXPECT_NEAR(incomplete_beta(3.0, 1.0, 1e-5) / 1e-15, 1.0, 1e-11);
+  EXPECT_NEAR(incomplete_beta(0.5, 0.5, 1e-12) / (2.0 / pi * std::asin(1e-6)), 1.0, 1e-11);
+  EXPECT_NEAR(chi_squared_cdf(1e-14, 1.0) / std::erf(std::sqrt(5e-15)), 1.0, 1e-11);
+  EXPECT_NEAR(chi_squared_cdf(1e-6, 2.0) / -std::expm1(-5e-7), 1.0, 1e-11);
+}
+
+TEST(Distributions, are_exact_close_to_the_centre_of_student_s) {
+  for (const double t : {-1e-5, 1e-5}) {
+    EXPECT_NEAR(student_cdf(t, 1.0), 0.5 + std::atan(t) / pi, 2e-11) << t;
+    EXPECT_NEAR(student_cdf(t, 2.0), 0.5 + t / (2.0 * std::sqrt(2.0 + t * t)), 2e-11) << t;
+  }
+}
+
+TEST(Distributions, are_zero_below_the_smallest_normal_number) {
+  // ln of the first factor is 100·ln 0.0271 − 0.0271 − ln Γ(100) = −720, and e^−720 is less than 2.2e-308.
+  EXPECT_EQ(chi_squared_cdf(0.0542, 200.0), 0.0);
 }
 
 }  // namespace

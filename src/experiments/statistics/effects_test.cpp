@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "cosiva/base/random.h"
@@ -380,6 +381,116 @@ TEST(Crossed, of_one_run_only_has_no_slope_and_of_one_unit_no_unit_effect) {
 TEST(Effects, of_impossible_arguments_are_errors_of_the_program) {
   EXPECT_DEATH(static_cast<void>(trend(std::vector{1.0, 2.0, 3.0}, std::vector{1.0, 2.0, 3.0, 4.0})), "y.size");
   EXPECT_DEATH(static_cast<void>(latin_square(0)), "size > 0");
+}
+
+// x 0, 0.5, 1 about 0.5, y 0, 0.5, 0.5 about 1/3: Σxx 1/2, Σxy 1/4, Σyy 1/6; 1/24 is left on one degree of freedom, and
+// √3 deviations from zero is two thirds of Cauchy's distribution.
+TEST(Trend, of_values_below_one_equals_the_regression_by_hand) {
+  const auto found = trend(std::vector{0.0, 0.5, 1.0}, std::vector{0.0, 0.5, 0.5});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->slope, 0.5, 1e-12);
+  EXPECT_NEAR(found->slope_sd, std::sqrt(1.0 / 12.0), 1e-12);
+  EXPECT_NEAR(found->p, 1.0 / 3.0, 1e-10);
+  EXPECT_NEAR(found->r_squared, 0.75, 1e-12);
+  EXPECT_NEAR(found->at_first, 7.0 / 12.0, 1e-12);
+}
+
+// Two deviations of 1, three values each: g is 0.8 times the difference. 80 % need an effect of 1.632 with seven of
+// each, 1.507 with eight.
+TEST(Comparison, needs_as_many_values_as_have_the_power) {
+  const auto found = compare(std::vector{0.0, 1.0, 2.0}, std::vector{1.95, 2.95, 3.95});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->effect, 1.56, 1e-12);
+  EXPECT_EQ(found->needed, 8U);
+  const auto clear = compare(std::vector{0.0, 1.0}, std::vector{100.0, 101.0});
+  ASSERT_TRUE(clear);
+  EXPECT_NEAR(clear->effect, 100.0 * std::sqrt(2.0) * 4.0 / 7.0, 1e-9);
+  EXPECT_NEAR(clear->power, 1.0, 1e-9);
+  EXPECT_EQ(clear->needed, 2U);
+}
+
+/// Two units, three carriers and four runs, not all combinations; noise variance 4/9.
+std::vector<Trial> incomplete_design(double scale) {
+  std::vector<Trial> trials{{0, 0, 1, 10.0}, {1, 1, 1, 14.5}, {0, 1, 2, 13.0}, {1, 2, 2, 19.0},
+                            {0, 2, 3, 17.5}, {1, 0, 3, 11.0}, {0, 0, 4, 9.5},  {1, 1, 4, 12.0}};
+  for (Trial& trial : trials) trial.value *= scale;
+  return trials;
+}
+
+// The normal equations in exact fractions.
+TEST(Crossed, effects_of_an_incomplete_design_equal_the_exact_least_squares) {
+  const auto found = crossed(incomplete_design(1.0));
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->unit_effects.size(), 2U);
+  EXPECT_NEAR(found->unit_effects[0], -0.5, 1e-9);
+  EXPECT_NEAR(found->unit_effects[1], 0.5, 1e-9);
+  ASSERT_EQ(found->carrier_effects.size(), 3U);
+  EXPECT_NEAR(found->carrier_effects[0], -31.0 / 9.0, 1e-9);
+  EXPECT_NEAR(found->carrier_effects[1], -17.0 / 18.0, 1e-9);
+  EXPECT_NEAR(found->carrier_effects[2], 79.0 / 18.0, 1e-9);
+}
+
+TEST(Crossed, ratios_and_tests_are_the_same_in_any_unit) {
+  const auto large = crossed(incomplete_design(1.0));
+  const auto small = crossed(incomplete_design(0.01));
+  ASSERT_TRUE(large && small);
+  EXPECT_NEAR(small->noise_sd, 0.02 / 3.0, 1e-12);
+  EXPECT_NEAR(small->slope, -0.005, 1e-12);
+  EXPECT_NEAR(small->unit.sd, 0.01 * large->unit.sd, 1e-12);
+  EXPECT_NEAR(small->carrier.sd, 0.01 * large->carrier.sd, 1e-12);
+  EXPECT_NEAR(small->run.sd, 0.01 * large->run.sd, 1e-12);
+  for (const auto part : {&Crossed::unit, &Crossed::carrier, &Crossed::run}) {
+    EXPECT_NEAR(((*small).*part).f, ((*large).*part).f, 1e-7);
+    EXPECT_NEAR(((*small).*part).p, ((*large).*part).p, 1e-9);
+    EXPECT_NEAR(((*small).*part).ratio, ((*large).*part).ratio, 1e-9);
+  }
+  EXPECT_NEAR(small->noise_ratio, large->noise_ratio, 1e-9);
+}
+
+TEST(Crossed, of_equal_values_explains_nothing) {
+  const auto found = crossed(incomplete_design(0.0));
+  ASSERT_TRUE(found);
+  for (const Factor& factor : {found->unit, found->carrier, found->run}) {
+    EXPECT_EQ(factor.f, 0.0);
+    EXPECT_EQ(factor.p, 1.0);
+    EXPECT_EQ(factor.sd, 0.0);
+    EXPECT_EQ(factor.ratio, 0.0);
+  }
+  EXPECT_EQ(found->slope, 0.0);
+  EXPECT_EQ(found->noise_sd, 0.0);
+  EXPECT_EQ(found->noise_ratio, 0.0);
+}
+
+// Row means 1.5 and 4.75, column means 2.5 and 3.75; ±0.125 is left in each of the four.
+TEST(Crossed, of_runs_numbered_zero_is_the_table_of_two_factors) {
+  const auto found = crossed(std::vector<Trial>{{0, 0, 0, 1.0}, {0, 1, 0, 2.0}, {1, 0, 0, 4.0}, {1, 1, 0, 5.5}});
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->confounded);
+  EXPECT_DOUBLE_EQ(found->noise_degrees, 1.0);
+  EXPECT_NEAR(found->noise_sd, 0.25, 1e-12);
+  EXPECT_NEAR(found->unit_effects.at(0), -1.625, 1e-12);
+  EXPECT_NEAR(found->unit_effects.at(1), 1.625, 1e-12);
+  EXPECT_NEAR(found->carrier_effects.at(0), -0.625, 1e-12);
+  EXPECT_NEAR(found->carrier_effects.at(1), 0.625, 1e-12);
+  EXPECT_EQ(found->slope, 0.0);
+}
+
+// Each unit had its own run, so that one of its two degrees of freedom is the slope's; likewise for carriers.
+TEST(Crossed, is_confounded_where_only_one_factor_is_determined_by_the_runs) {
+  std::vector<Trial> trials;
+  for (std::size_t u = 0; u < 3; ++u)
+    for (std::size_t c = 0; c < 3; ++c)
+      trials.push_back({u, c, static_cast<double>(u) + 1.0, static_cast<double>(u * u + 2 * c + u * c * c)});
+  for (int exchanged = 0; exchanged < 2; ++exchanged) {
+    const auto found = crossed(trials);
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->confounded);
+    EXPECT_DOUBLE_EQ(found->noise_degrees, 4.0);
+    EXPECT_DOUBLE_EQ(found->unit.degrees, 3.0);
+    EXPECT_DOUBLE_EQ(found->carrier.degrees, 3.0);
+    EXPECT_TRUE(found->unit_effects.empty());
+    for (Trial& trial : trials) std::swap(trial.unit, trial.carrier);
+  }
 }
 
 }  // namespace

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "cosiva/base/random.h"
+#include "cosiva/experiments/statistics/distributions.h"
+#include "cosiva/experiments/statistics/sample.h"
 
 namespace cosiva::statistics {
 namespace {
@@ -149,6 +152,113 @@ TEST(BlockBootstrap, needs_eight_values) {
   EXPECT_EQ(block_bootstrap(series)->block, 3U);
   EXPECT_DOUBLE_EQ(block_bootstrap(series)->effective_size, 8.0);
   EXPECT_FALSE(block_bootstrap(std::span{series}.first(7)));
+}
+
+/// The value at a rank from 1 on, between two values where it is no integer.
+double at_rank(std::vector<double> values, double rank) {
+  std::ranges::sort(values);
+  const double bounded = std::clamp(rank, 1.0, static_cast<double>(values.size()));
+  const auto lower = static_cast<std::size_t>(bounded) - 1;
+  const double part = bounded - std::floor(bounded);
+  return part == 0.0 ? values[lower] : (1.0 - part) * values[lower] + part * values[lower + 1];
+}
+
+/// Efron's BCa with Hesterberg's width, written down once more for few resamples: the ends are the quantiles
+/// Φ(b + (b + z)/(1 − a(b + z))) of the resampled means, the quantile of ratio p being the value at rank p·(N + 1).
+Interval bca_by_its_formula(const std::vector<double>& runs, const BootstrapOptions& options) {
+  const auto n = static_cast<double>(runs.size());
+  const auto resamples = static_cast<double>(options.resamples);
+  const double centre = mean(runs);
+  Random random{options.seed, "statistics/bca"};
+  std::vector<double> means(options.resamples);
+  double below = 0.0;
+  for (double& m : means) {
+    for (std::size_t i = 0; i < runs.size(); ++i) m += runs[random.below(runs.size())];
+    m /= n;
+    below += m < centre ? 1.0 : m == centre ? 0.5 : 0.0;
+  }
+  double squares = 0.0;
+  double cubes = 0.0;
+  for (const double v : runs) {
+    squares += std::pow(v - centre, 2);
+    cubes += std::pow(v - centre, 3);
+  }
+  const double a = cubes / (6.0 * std::pow(squares, 1.5));
+  const double b = normal_quantile(std::clamp(below / resamples, 0.5 / resamples, 1.0 - 0.5 / resamples));
+  const double wide = std::sqrt(n / (n - 1.0)) * student_quantile(0.5 + 0.5 * options.level, n - 1.0);
+  const auto end = [&](double z) {
+    return at_rank(means, (resamples + 1.0) * normal_cdf(b + (b + z) / (1.0 - a * (b + z))));
+  };
+  return {end(-wide), end(wide)};
+}
+
+TEST(Bca, of_few_resamples_equals_its_formula) {
+  const std::vector<double> skewed{1.0, 2.25, 3.0, 4.25, 7.75, 16.5};
+  const std::vector<double> even{0.0, 1.0, 2.0, 3.0};  // every sixth mean is the sample's
+  for (const std::vector<double>& runs : {skewed, even}) {
+    for (const std::size_t resamples : {1U, 2U, 3U, 9U, 50U}) {
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        for (const double level : {0.3, 0.5, 0.8}) {
+          const BootstrapOptions options{level, resamples, seed};
+          const auto interval = bca(runs, options);
+          const Interval expected = bca_by_its_formula(runs, options);
+          ASSERT_NEAR(interval->low, expected.low, 1e-9) << resamples << " " << seed << " " << level;
+          ASSERT_NEAR(interval->high, expected.high, 1e-9) << resamples << " " << seed << " " << level;
+        }
+      }
+    }
+  }
+}
+
+TEST(Bca, takes_as_many_resamples_as_requested_of_two_hundred_runs) {
+  const auto runs = drawn(2, 200);
+  EXPECT_NE(bca(runs, {0.95, 5000, 9}), bca(runs, {0.95, 1000, 9}));
+}
+
+/// Means of circular blocks, drawn once more, and their quantiles by Student's t of the number of blocks.
+Interval blocks_by_their_formula(const std::vector<double>& series, std::size_t block,
+                                 const BootstrapOptions& options) {
+  const auto resamples = static_cast<double>(options.resamples);
+  std::size_t blocks = 0;
+  while (blocks * block < series.size()) ++blocks;
+  Random random{options.seed, "statistics/blocks"};
+  std::vector<double> means(options.resamples);
+  for (double& m : means) {
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::size_t first = random.below(series.size());
+      for (std::size_t i = 0; i < block; ++i) m += series[(first + i) % series.size()];
+    }
+    m /= static_cast<double>(blocks * block);
+  }
+  const double ratio = normal_cdf(-student_quantile(0.5 + 0.5 * options.level, static_cast<double>(blocks) - 1.0));
+  return {at_rank(means, (resamples + 1.0) * ratio), at_rank(means, (resamples + 1.0) * (1.0 - ratio))};
+}
+
+TEST(BlockBootstrap, of_few_resamples_equals_its_formula) {
+  const std::vector<double> long_one{5, 5, 4, 4, 1, 0, 0, 1, 2, 3, 5, 6, 4, 4, 1, 1};  // three blocks of 6
+  const std::vector<double> short_one{1, 1, 0, 0, 0, 0, -1, -1};                       // two blocks of 4
+  for (const std::size_t resamples : {1U, 9U, 50U}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      for (const double level : {0.3, 0.5, 0.8}) {
+        const BootstrapOptions options{level, resamples, seed};
+        const Interval of_three = block_bootstrap(long_one, options).value().interval;
+        const Interval of_two = block_bootstrap(short_one, options).value().interval;
+        ASSERT_NEAR(of_three.low, blocks_by_their_formula(long_one, 6, options).low, 1e-9);
+        ASSERT_NEAR(of_three.high, blocks_by_their_formula(long_one, 6, options).high, 1e-9);
+        ASSERT_NEAR(of_two.low, blocks_by_their_formula(short_one, 4, options).low, 1e-9);
+        ASSERT_NEAR(of_two.high, blocks_by_their_formula(short_one, 4, options).high, 1e-9);
+      }
+    }
+  }
+}
+
+// ρ₁ is 2/4, the next pair is 0: τ = −1 + 2·1.5, so that eight values count as four. Three times 8/4 is more than half
+// of them, the longest block.
+TEST(BlockBootstrap, takes_a_series_equivalent_to_four_values_in_two_blocks) {
+  const auto found = block_bootstrap(std::vector<double>{1, 1, 0, 0, 0, 0, -1, -1});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->effective_size, 4.0);
+  EXPECT_EQ(found->block, 4U);
 }
 
 }  // namespace

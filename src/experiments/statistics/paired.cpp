@@ -152,7 +152,6 @@ std::optional<Friedman> friedman(const std::vector<std::vector<double>>& metrics
 std::optional<std::size_t> runs_to_decide(std::span<const double> differences, double level, double power) {
   if (differences.size() < 2) return std::nullopt;
   const double shift = mean(differences);
-  if (shift == 0.0) return std::nullopt;
   const double z = normal_quantile(1.0 - 0.5 * level) + normal_quantile(power);
   // Wilcoxon's test needs π/3 as many runs as Student's where differences are Gaussian.
   const double runs = z * z * sample_variance(differences) / (shift * shift) * (pi / 3.0);

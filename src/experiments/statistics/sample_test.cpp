@@ -130,5 +130,17 @@ TEST(Percentile, of_a_ratio_out_of_range_or_of_rising_ratios_is_an_error_of_the_
   EXPECT_DEATH(static_cast<void>(percentiles(values, std::vector{0.3, 0.9})), "rank <= among");
 }
 
+TEST(EffectiveSize, of_a_series_whose_squares_add_up_to_one_is_not_that_of_a_constant) {
+  // Deviations -0.5, -0.5, 0.5, 0.5: ρ₁ = 0.25, and the second pair is negative: τ = −1 + 2·1.25.
+  EXPECT_NEAR(effective_size(std::vector{0.0, 0.0, 1.0, 1.0}), 8.0 / 3.0, 1e-12);
+}
+
+TEST(Cdf, of_no_more_values_than_points_has_each_value_once) {
+  const Cdf drawn = cdf({30.0, 10.0, 20.0, 40.0}, 4);
+  EXPECT_EQ(drawn.value, (std::vector{10.0, 20.0, 30.0, 40.0}));
+  EXPECT_EQ(drawn.ratio, (std::vector{0.25, 0.5, 0.75, 1.0}));
+  EXPECT_EQ(cdf({30.0, 10.0, 20.0}, 1).value, std::vector{30.0});
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

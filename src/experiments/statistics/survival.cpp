@@ -15,10 +15,7 @@ namespace {
 
 std::vector<Duration> sorted(std::span<const Duration> durations) {
   std::vector<Duration> all{durations.begin(), durations.end()};
-  // At equal times ends come before censored durations: a unit censored at T was still running when another ended at T.
-  std::ranges::sort(all, [](const Duration& a, const Duration& b) {
-    return a.value != b.value ? a.value < b.value : a.ended && !b.ended;
-  });
+  std::ranges::sort(all, {}, &Duration::value);
   return all;
 }
 
@@ -190,7 +187,7 @@ std::optional<CensoredNormal> censored_normal(std::span<const Duration> duration
   const auto ended = static_cast<double>(ends.size());
   const double correction = std::sqrt(ended / (ended - 1.0));
   CensoredNormal found{fit.mean, fit.sd * correction, {}, 0.0, fit.sd * fit.sd / fit.mean_variance, ends.size()};
-  const double degrees = std::max(1.0, ended - 1.0);
+  const double degrees = ended - 1.0;
   const double half = student_quantile(0.5 + 0.5 * level, degrees) * correction * std::sqrt(fit.mean_variance);
   found.mean_interval = {found.mean - half, found.mean + half};
   // As for a complete sample whose mean is equally well known, with the ends' own degrees of freedom for the deviation.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "cosiva/base/math.h"
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/statistics/sample.h"
 #include "cosiva/experiments/statistics/tolerance.h"
@@ -257,6 +258,74 @@ TEST(CensoredNormal, of_a_duration_far_beyond_the_ends_is_at_the_maximum_of_the_
     EXPECT_GT(best, log_likelihood(fit->mean + step, sd)) << step;
     EXPECT_GT(best, log_likelihood(fit->mean, sd + step)) << step;
   }
+}
+
+TEST(KaplanMeier, of_no_durations_is_zero_throughout) {
+  const Survival curve = kaplan_meier({});
+  EXPECT_EQ(curve.restricted_mean, 0.0);
+  EXPECT_EQ(curve.restricted_mean_sd, 0.0);
+  EXPECT_EQ(curve.restricted_to, 0.0);
+  EXPECT_EQ(curve.when_ended(0.5), std::nullopt);
+}
+
+TEST(KaplanMeier, reaches_a_ratio_at_the_end_that_reaches_it_exactly) {
+  const Survival curve = kaplan_meier(std::vector<Duration>{{1, true}, {2, true}, {4, true}, {5, true}});
+  EXPECT_EQ(curve.when_ended(0.25), 1.0);
+  EXPECT_EQ(curve.when_ended(0.5), 2.0);
+  EXPECT_EQ(curve.when_ended(0.75), 4.0);
+  EXPECT_EQ(curve.when_ended(1.0), 5.0);
+  EXPECT_EQ(curve.when_ended(0.51), 4.0);
+}
+
+// At equal times an end comes first: both were still running before it.
+TEST(KaplanMeier, counts_a_duration_censored_at_the_time_of_an_end_as_at_risk) {
+  for (const bool first : {true, false}) {
+    const Survival curve = kaplan_meier(std::vector<Duration>{{3, first}, {3, !first}, {5, true}});
+    ASSERT_EQ(curve.steps.size(), 2U);
+    EXPECT_EQ(curve.steps[0].at_risk, 3U);
+    EXPECT_EQ(curve.steps[0].ended, 1U);
+    EXPECT_DOUBLE_EQ(curve.steps[0].ratio, 2.0 / 3.0);
+    EXPECT_EQ(curve.steps[1].at_risk, 1U);
+    EXPECT_DOUBLE_EQ(curve.restricted_mean, 3.0 + 2.0 * 2.0 / 3.0);
+  }
+}
+
+// Of 10 and 12: mean 11, deviation √2, and one degree of freedom, whose t is 12.706.
+TEST(CensoredNormal, of_two_ends_is_the_usual_interval) {
+  const auto fit = censored_normal(std::vector<Duration>{{10, true}, {12, true}});
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->mean, 11.0, 1e-8);
+  EXPECT_NEAR(fit->sd, std::sqrt(2.0), 1e-8);
+  EXPECT_NEAR(fit->effective_size, 2.0, 1e-6);
+  EXPECT_NEAR(fit->mean_interval.low, 11.0 - 12.706204736, 1e-5);
+  EXPECT_NEAR(fit->mean_interval.high, 11.0 + 12.706204736, 1e-5);
+  EXPECT_NEAR(fit->tolerance_low, 11.0 - std::sqrt(2.0) * tolerance_factor(2), 1e-4);
+}
+
+// Among 2000 ends one unit still runs after about thirty deviations. At the maximum of the likelihood both derivatives
+// are zero: Σz + h and Σ(z² − 1) + z·h, with h the density over the upper tail.
+TEST(CensoredNormal, of_many_ends_and_one_far_duration_has_both_derivatives_zero) {
+  std::vector<Duration> durations{{140.0, false}};
+  for (int i = 0; i < 1000; ++i) {
+    durations.push_back({99.0, true});
+    durations.push_back({101.0, true});
+  }
+  const auto fit = censored_normal(durations);
+  ASSERT_TRUE(fit);
+  const double sd = fit->sd * std::sqrt(1999.0 / 2000.0);  // without the correction for 2000 ends
+  const double far = (140.0 - fit->mean) / sd;
+  ASSERT_GT(far, 29.0);
+  ASSERT_LT(far, 31.0);
+  const double h = std::exp(-0.5 * far * far) / std::sqrt(2.0 * pi) / (0.5 * std::erfc(far / std::sqrt(2.0)));
+  double by_mean = h;
+  double by_sd = far * h;
+  for (std::size_t i = 1; i < durations.size(); ++i) {
+    const double z = (durations[i].value - fit->mean) / sd;
+    by_mean += z;
+    by_sd += z * z - 1.0;
+  }
+  EXPECT_NEAR(by_mean, 0.0, 1e-3);
+  EXPECT_NEAR(by_sd, 0.0, 0.02);
 }
 
 }  // namespace

@@ -260,5 +260,54 @@ TEST(Tolerances, of_impossible_arguments_are_errors_of_the_program) {
   EXPECT_DEATH(static_cast<void>(sample_size(0.01, 0.0)), "relative_half_width > 0.0");
 }
 
+TEST(Grubbs, is_the_same_in_any_unit_and_takes_the_first_of_two_equal_distances) {
+  // Of 0, 0, 1: mean 1/3, deviation 1/√3.
+  const auto small = grubbs(std::array{0.0, 0.0, 1.0});
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->index, 2U);
+  EXPECT_NEAR(small->statistic, 2.0 / std::sqrt(3.0), 1e-12);
+  const auto three = grubbs(std::array{-1.0, 0.0, 1.0});
+  ASSERT_TRUE(three);
+  EXPECT_EQ(three->index, 0U);
+  EXPECT_EQ(three->statistic, 1.0);
+  EXPECT_FALSE(three->is_outlier);
+  // Of four values a deviation of √(4/3): no value is farther than its deviation.
+  const auto four = grubbs(std::array{-1.0, -1.0, 1.0, 1.0});
+  ASSERT_TRUE(four);
+  EXPECT_EQ(four->index, 0U);
+  EXPECT_NEAR(four->statistic, 0.5 * std::sqrt(3.0), 1e-12);
+  EXPECT_FALSE(four->is_outlier);
+}
+
+TEST(RobustScores, are_the_same_in_any_unit) {
+  const auto scores = robust_scores(std::array{0.1, 0.2, 0.3, 0.4, 1.0});
+  EXPECT_NEAR(scores[0], -2.0 / 1.4826, 1e-9);
+  EXPECT_NEAR(scores[1], -1.0 / 1.4826, 1e-9);
+  EXPECT_NEAR(scores[4], 7.0 / 1.4826, 1e-9);
+}
+
+TEST(Normality, is_the_same_in_any_unit) {
+  EXPECT_NEAR(normality_p(std::array{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}).value(), 0.96145569293858, 1e-9);
+}
+
+// Half of n values at −1, half at 1 deviation: A² is 0.18·n, 10.8 of 60 values and 18 of 100.
+TEST(Normality, of_two_values_in_equal_numbers_is_zero_from_a_statistic_of_13_on) {
+  const auto p_of = [](std::size_t n) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < n; ++i) values.push_back(i % 2 == 0 ? 1.0 : 1000.0);
+    return normality_p(values).value();
+  };
+  EXPECT_EQ(p_of(100), 0.0);
+  EXPECT_GT(p_of(60), 0.0);
+  EXPECT_LT(p_of(60), 1e-20);
+}
+
+TEST(SequentialStop, may_come_at_the_second_value) {
+  // At 50 %, t of one degree of freedom is 1: √(w²/2/2) is half of the requested w.
+  for (const std::size_t least : {0U, 1U, 2U}) EXPECT_EQ(stops_at(std::array{100.0, 100.1}, 0.5, least, 0.5), 2U);
+  EXPECT_FALSE(stops_at(std::array{100.0, 100.1}, 0.5, 3, 0.5));
+  EXPECT_FALSE(stops_at(std::array{100.0}, 0.5, 1, 0.5));
+}
+
 }  // namespace
 }  // namespace cosiva::statistics

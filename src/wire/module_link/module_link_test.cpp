@@ -507,5 +507,58 @@ TEST(Decoder, counts_up_to_254_missed_frames_at_a_time_and_saturates) {
   EXPECT_EQ(decoder.counters().frames_good, 302);
 }
 
+TEST(Frame, of_a_drive_that_does_not_seek_has_no_goal) {
+  const Manoeuvre goal{214, -35, -1571};
+  EXPECT_EQ(encode(Drive{150, 500, 800, no_branch, false, goal}, 3), encode(Drive{150, 500, 800, no_branch, false}, 3));
+  EXPECT_NE(encode(Drive{150, 500, 800, no_branch, true, goal}, 3), encode(Drive{150, 500, 800, no_branch, true}, 3));
+}
+
+TEST(Frame, of_an_odometry_states_a_lost_line_and_a_manoeuvre_each_by_a_flag) {
+  // The flags are the 19th byte of the content: version and type, sequence, 4 + 8 + 2 + 2 bytes. No byte is zero, so
+  // that COBS puts only its first code before them.
+  const auto flags = [](bool lost, std::optional<Manoeuvre> manoeuvre) {
+    const Odometry odometry{0x01010101, 0x0101010101010101, 0x0101, 0x0101, lost, manoeuvre};
+    return static_cast<int>(encode(odometry, 1).at(19));
+  };
+  EXPECT_EQ(flags(true, std::nullopt), 1);
+  EXPECT_EQ(flags(false, Manoeuvre{1, 2, 3}), 2);
+  EXPECT_EQ(flags(true, Manoeuvre{1, 2, 3}), 3);
+}
+
+TEST(Frame, of_a_text_of_32_bytes_holds_all_of_it) {
+  for (const std::string& text : {std::string(32, 'a'), std::string(30, 'a') + "é", std::string(28, 'a') + "🚚"}) {
+    std::vector<BoardMessage> messages;
+    Decoder{}.feed(encode(Display{text}, 0) + encode(Display{text + "b"}, 1), messages);
+    EXPECT_THAT(messages, ElementsAre(BoardMessage{Display{text}}, BoardMessage{Display{text}}));
+  }
+}
+
+TEST(Frame, of_a_long_text_is_cut_before_a_character_of_four_bytes) {
+  for (const std::size_t before : {29U, 30U, 31U}) {
+    std::vector<BoardMessage> messages;
+    Decoder{}.feed(encode(Display{std::string(before, 'a') + "🚚"}, 0), messages);
+    EXPECT_THAT(messages, ElementsAre(BoardMessage{Display{std::string(before, 'a')}})) << before;
+  }
+}
+
+TEST(Decoder, counts_good_and_bad_frames_and_gaps_separately) {
+  std::vector<BoardMessage> received;
+  Decoder decoder;
+  std::string damaged = encode(Drive{}, 1);
+  damaged[1] = static_cast<char>(damaged[1] ^ 2);  // the type
+  decoder.feed(encode(Drive{}, 0) + damaged + encode(Drive{}, 2) + encode(Drive{}, 5), received);
+  EXPECT_EQ(decoder.counters(), (Decoder::Counters{3, 1, 3}));  // 1, 3 and 4 are missing
+  decoder.feed(encode(Drive{}, 5), received);                   // repeated: 255 are missing
+  EXPECT_EQ(decoder.counters(), (Decoder::Counters{4, 1, 258}));
+}
+
+TEST(Crc16, of_a_message_and_its_crc_is_zero) {
+  // The byte and the low byte of the start value cancel each other: what is left is the start value's high byte.
+  EXPECT_EQ(crc16("\xFF"), 0x00FF);
+  EXPECT_NE(crc16("ab"), crc16("ba"));
+  // The low byte comes first.
+  EXPECT_EQ(crc16("123456789\x91\x6F"), 0);
+}
+
 }  // namespace
 }  // namespace cosiva::wire::module_link

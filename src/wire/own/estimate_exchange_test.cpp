@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include <cmath>
 #include <string>
 
 #include "cosiva/base/random.h"
@@ -275,6 +276,66 @@ TEST(EstimateExchange, requires_every_field_that_is_not_optional) {
                          "inputs.0.odometry.turn_rad", "inputs.0.odometry.duration_s"});
   test::expect_required(to_json(EstimateRequest{"q/1", 3, {"ekf"}, 1, 500, 4}), estimate_request_from_json,
                         {"session", "sequence", "algorithms", "seed", "particles", "horizon"});
+}
+
+TEST(EstimateExchange, reads_minus_zero_as_zero) {
+  const std::string good = to_json(whole_response());
+  const auto distance = estimate_response_from_json(test::with_value(good, "travelled_m", "-0.0"));
+  ASSERT_TRUE(distance);
+  EXPECT_EQ(distance->travelled_m, 0.0);
+  EXPECT_FALSE(std::signbit(distance->travelled_m));
+  std::string json = good;
+  json.replace(json.find("[1,2,3,4,5,6,7,8,9]"), 19, "[-0.0,0,0,0,1,0,0,0,1]");
+  const auto covariance = estimate_response_from_json(json);
+  ASSERT_TRUE(covariance);
+  EXPECT_EQ(covariance->estimates[0].covariance->at(0), 0.0);
+  EXPECT_FALSE(std::signbit(covariance->estimates[0].covariance->at(0)));
+}
+
+TEST(EstimateExchange, of_neither_odometry_nor_a_reading_is_refused_and_of_both_is_the_odometry) {
+  const auto with_input = [](const std::string& input) {
+    std::string json = to_json(whole_response());
+    const std::string odometry = R"("odometry":{"distance_m":0.01,"turn_rad":0.125,"duration_s":0.02})";
+    return estimate_response_from_json(json.replace(json.find(odometry), odometry.size(), input));
+  };
+  const auto neither = with_input(R"("odometry":null,"reading":null)");
+  ASSERT_FALSE(neither);
+  EXPECT_EQ(neither.error().location, "inputs.0.");
+  EXPECT_EQ(neither.error().message, "expected odometry or reading");
+  const auto both = with_input(R"("reading":{},"odometry":{"distance_m":1,"turn_rad":2,"duration_s":3})");
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->inputs.at(0), EstimateResponse::Input(EstimateResponse::Odometry{1.0, 2.0, 3.0}));
+}
+
+TEST(EstimateExchange, accepts_an_estimate_without_what_its_algorithm_does_not_state) {
+  EstimateResponse response = whole_response();
+  response.start->section.reset();
+  response.estimates[0].covariance.reset();
+  response.estimates[0].along_m.reset();
+  response.estimates[0].rectified.assign(1, EstimateResponse::Rectified{});
+  const std::string json = to_json(response);
+  EXPECT_THAT(json, HasSubstr(R"("theta":0.75,"rectified":[{"accepted":false,"dimensions":0}]})"));
+  EXPECT_THAT(json, HasSubstr(R"("thetaSigma":0.02,"along_m":0.25)"));
+  EXPECT_EQ(estimate_response_from_json(json).value(), response);
+}
+
+TEST(EstimateExchange, does_not_read_the_estimate_of_an_algorithm_that_failed) {
+  EstimateResponse response = whole_response();
+  response.estimates[0].fault = "diverged";
+  const auto read = estimate_response_from_json(to_json(response));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->estimates.at(0).fault, "diverged");
+  EXPECT_EQ(read->estimates.at(0).X_MB, Pose2{});
+  EXPECT_FALSE(read->estimates.at(0).covariance);
+  EXPECT_TRUE(read->estimates.at(0).rectified.empty());
+}
+
+TEST(EstimateExchange, accepts_sixteen_estimates) {
+  EstimateResponse response = whole_response();
+  response.estimates.resize(16, response.estimates.front());
+  EXPECT_EQ(estimate_response_from_json(to_json(response)).value(), response);
+  response.estimates.push_back(response.estimates.front());
+  EXPECT_EQ(estimate_response_from_json(to_json(response)).error().location, "estimates");
 }
 
 }  // namespace

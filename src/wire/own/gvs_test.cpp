@@ -159,5 +159,18 @@ TEST(GvsMessages, keep_a_text_of_128_bytes_whole) {
   EXPECT_EQ(read->trouble.size(), 128U);
 }
 
+TEST(GvsMessages, name_the_second_detection_and_the_second_corner) {
+  GvsDetections two = shown;
+  two.detections.push_back(shown.detections[0]);
+  two.detections[1].pose.x_m = 1e6;
+  const auto far = gvs_detections_from_json(to_json(two));
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().location, "detections.1.x");
+  const auto corner = gvs_detections_from_json(replaced(shown_json, "[1,-1]", "[1,null]"));
+  ASSERT_FALSE(corner);
+  EXPECT_EQ(corner.error().location, "field.1");
+  EXPECT_EQ(corner.error().message, "expected a position [x, y] within 100 km");
+}
+
 }  // namespace
 }  // namespace cosiva::wire

@@ -177,5 +177,54 @@ TEST(CoreRunner, records_an_input_as_values_only_together_with_its_text) {
   EXPECT_DEATH(recorded.feed(without_text), "payload");
 }
 
+TEST(TopicFilter, distinguishes_an_empty_last_level_from_none) {
+  EXPECT_TRUE(topic_matches("a/", "a/"));
+  EXPECT_FALSE(topic_matches("a/", "a"));
+  EXPECT_FALSE(topic_matches("a", "a/"));
+  EXPECT_FALSE(topic_matches("a/b", "a/"));
+  EXPECT_TRUE(topic_matches("a//b", "a//b"));
+  EXPECT_FALSE(topic_matches("a//b", "a/b"));
+  EXPECT_TRUE(topic_matches("a/#", "a/"));
+}
+
+TEST(TopicFilter, may_combine_plus_and_hash) {
+  EXPECT_TRUE(topic_matches("+/#", "a"));
+  EXPECT_TRUE(topic_matches("a/+/#", "a/b"));
+  EXPECT_TRUE(topic_matches("a/+/#", "a/b/c/d"));
+  EXPECT_FALSE(topic_matches("a/+/#", "a"));
+  EXPECT_FALSE(topic_matches("a/+/#", "b/c"));
+  EXPECT_FALSE(topic_matches("a/+", "a/b/c"));
+  EXPECT_FALSE(topic_matches("+/b", "a/c"));
+}
+
+TEST(RunDigest, folds_each_effect_of_an_input_in_order) {
+  /// Responds to each input with two effects.
+  class TwoEffectsCore final : public Core {
+   public:
+    void handle(const Input& input, Effects& effects) override {
+      effects.push_back(Persist{input.payload});
+      effects.push_back(SendBytes{"port", input.payload});
+    }
+    [[nodiscard]] SimDuration tick_period() const override { return 1s; }
+    [[nodiscard]] std::vector<std::string> subscriptions() const override { return {}; }
+    void fold(Digest& digest) const override { digest.add(std::uint64_t{5}); }
+  };
+  TwoEffectsCore core;
+  CoreRunner runner{core};
+  runner.feed(message(1ms, "x"));
+  runner.feed(message(2ms, "y"));
+  Digest expected;
+  for (const auto& [at, text] : {std::pair{SimTime{1ms}, "x"}, std::pair{SimTime{2ms}, "y"}}) {
+    expected.add(at);
+    expected.add(std::uint64_t{3});
+    expected.add(std::string_view{text});
+    expected.add(std::uint64_t{2});
+    expected.add(std::string_view{"port"});
+    expected.add(std::string_view{text});
+  }
+  expected.add(std::uint64_t{5});
+  EXPECT_EQ(runner.digest().hex(), expected.hex());
+}
+
 }  // namespace
 }  // namespace cosiva::wire

@@ -595,5 +595,153 @@ TEST(NetworkDeathTest, takes_a_loss_from_0_to_1) {
   EXPECT_DEATH(fixture.network.set_loss(client, 1.001), "ratio");
 }
 
+// --- order and counts -----------------------------------------------------------------------------------------------
+
+TEST(Network, may_deliver_a_later_message_first_where_one_is_held_back) {
+  // No copies, which could be late as well.
+  Fixture fixture{{.reordering = 0.5, .delay_min = 0ms, .delay_max = 0ms, .reorder_window = 50ms}};
+  const auto client = fixture.join({"t"});
+  for (int i = 0; i < 200; ++i) {
+    fixture.publish_text(client, "t", std::to_string(i));
+    fixture.pass(1ms);
+  }
+  fixture.pass(50ms);
+  const auto received = fixture.received_by(client);
+  EXPECT_THAT(received, SizeIs(200));
+  EXPECT_FALSE(std::ranges::is_sorted(received, {}, [](const std::string& text) { return std::stoi(text); }));
+}
+
+TEST(Network, holds_back_no_message_behind_one_that_is_held_back) {
+  // Half of the messages are held back; each of the others is delivered at once.
+  Fixture fixture{{.reordering = 0.5, .delay_min = 0ms, .delay_max = 0ms, .reorder_window = 10s}};
+  const auto client = fixture.join({"t"});
+  for (int i = 0; i < 100; ++i) fixture.publish_text(client, "t", "x");
+  fixture.pass(0ms);
+  EXPECT_EQ(fixture.deliveries.size() + fixture.network.counters().reordered, 100U);
+}
+
+TEST(Network, names_the_next_time_of_messages_to_and_from_the_broker) {
+  Fixture fixture{instant()};
+  const auto far_sender = fixture.join({});
+  const auto sender = fixture.join({});
+  const auto far_receiver = fixture.join({"far"});
+  fixture.network.set_loss(far_sender, 1.0);
+  fixture.network.set_loss(far_receiver, 1.0);
+  EXPECT_EQ(fixture.network.next_due(), std::nullopt);
+  fixture.publish_text(far_sender, "other", "x", 1);  // a hundred retries of 200 ms
+  EXPECT_EQ(fixture.network.next_due(), SimTime{20s});
+  fixture.pass(1s);
+  fixture.publish_text(sender, "far", "x", 1);
+  EXPECT_EQ(fixture.network.next_due(), SimTime{20s}) << "not 21 s, when the later one is delivered";
+  fixture.pass(19s);
+  EXPECT_EQ(fixture.network.next_due(), SimTime{21s});
+  fixture.publish_text(far_sender, "other", "x", 1);
+  EXPECT_EQ(fixture.network.next_due(), SimTime{21s}) << "not 40 s, when the later one reaches the broker";
+  fixture.pass(1s);
+  EXPECT_EQ(fixture.network.next_due(), SimTime{40s});
+}
+
+TEST(Network, gives_each_subscriber_the_same_message) {
+  Fixture fixture{instant()};
+  const auto a = fixture.join({"t"});
+  const auto b = fixture.join({"+"});
+  const auto c = fixture.join({"other"});
+  fixture.publish_text(c, "t", "x", 1, true);
+  fixture.pass(0ms);
+  ASSERT_THAT(fixture.deliveries, SizeIs(2));
+  EXPECT_THAT(fixture.received_by(a), ElementsAre("x"));
+  EXPECT_THAT(fixture.received_by(b), ElementsAre("x"));
+  EXPECT_EQ(fixture.network.counters().published, 1U);
+  EXPECT_EQ(fixture.network.counters().delivered, 2U);
+  EXPECT_EQ(fixture.network.counters().lost, 0U);
+  EXPECT_EQ(fixture.network.counters().duplicated, 0U);
+  EXPECT_EQ(fixture.network.counters().reordered, 0U);
+}
+
+TEST(DeadClient, is_no_subscriber_any_more) {
+  Fixture fixture{instant()};
+  const auto dead = fixture.join({"t"});
+  const auto other = fixture.join({});
+  fixture.publish_text(other, "t", "x");
+  fixture.pass(0ms);
+  EXPECT_THAT(fixture.received_by(dead), ElementsAre("x"));
+  fixture.network.disconnect(fixture.now, dead);
+  fixture.publish_text(other, "t", "x");
+  EXPECT_EQ(fixture.network.next_due(), std::nullopt);
+}
+
+TEST(DeadClient, costs_no_delivery_of_what_was_in_transit) {
+  Fixture fixture{{.delay_min = 5ms, .delay_max = 5ms}};
+  const auto dead = fixture.join({"t"});
+  const auto other = fixture.join({"t"});
+  fixture.publish_text(other, "t", "x");
+  fixture.network.disconnect(fixture.now, dead);
+  fixture.pass(5ms);
+  EXPECT_EQ(fixture.network.counters().delivered, 1U);
+  EXPECT_THAT(fixture.received_by(other), ElementsAre("x"));
+}
+
+TEST(NetworkRadio, counts_each_message_that_it_loses_on_either_part_of_its_route) {
+  Fixture fixture{instant()};
+  const auto far = fixture.join({"to/far"});
+  const auto other = fixture.join({"from/far"});
+  fixture.network.set_loss(far, 1.0);
+  for (int i = 0; i < 3; ++i) fixture.publish_text(far, "from/far", "x");
+  EXPECT_EQ(fixture.network.counters().lost, 3U);
+  EXPECT_EQ(fixture.network.counters().published, 0U) << "the broker has received none";
+  for (int i = 0; i < 4; ++i) fixture.publish_text(other, "to/far", "x");
+  EXPECT_EQ(fixture.network.counters().lost, 7U);
+  EXPECT_EQ(fixture.network.counters().published, 4U);
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.deliveries, IsEmpty());
+  EXPECT_EQ(fixture.network.counters().delivered, 0U);
+}
+
+TEST(Qos1, does_not_overtake_one_of_another_client_that_has_reached_the_broker_meanwhile) {
+  Fixture fixture{instant()};
+  const auto far = fixture.join({});
+  const auto near = fixture.join({});
+  const auto server = fixture.join({"t"});
+  fixture.network.set_loss(far, 1.0);
+  fixture.publish_text(far, "t", "first", 1);
+  fixture.now += 20s;  // nothing has been taken since
+  fixture.publish_text(near, "t", "second", 1);
+  fixture.pass(0ms);
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("first", "second"));
+}
+
+TEST(NetworkRadio, that_loses_a_message_only_now_and_then_is_late_by_whole_retries) {
+  Fixture fixture{instant()};
+  const auto far = fixture.join({});
+  const auto server = fixture.join({"t"});
+  fixture.network.set_loss(far, 0.5);
+  for (int i = 0; i < 100; ++i) {
+    const SimTime sent = fixture.now;
+    const std::uint64_t lost_before = fixture.network.counters().lost;
+    fixture.publish_text(far, "t", "x", 1);
+    const auto lost = static_cast<int>(fixture.network.counters().lost - lost_before);
+    fixture.pass(60s);
+    EXPECT_EQ(fixture.deliveries.back().at - sent, lost * 200ms);
+  }
+  EXPECT_THAT(fixture.received_by(server), SizeIs(100));
+  EXPECT_GT(fixture.network.counters().lost, 30U);
+}
+
+TEST(RetainedMessage, of_topics_that_no_new_filter_matches_is_not_sent) {
+  Fixture fixture{instant()};
+  const auto vehicle = fixture.join({"a"});
+  const auto other = fixture.join({});
+  for (const char* topic : {"a", "b", "c"}) fixture.publish_text(other, topic, topic, 1, true);
+  fixture.pass(0ms);
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("a"));
+  fixture.network.listen(fixture.now, vehicle, {"b"});
+  fixture.pass(0ms);
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("a", "retained b"));
+  fixture.network.listen(fixture.now, vehicle, {});
+  fixture.network.listen(fixture.now, vehicle, {"b", "c"});
+  fixture.pass(0ms);
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("a", "retained b", "retained b", "retained c"));
+}
+
 }  // namespace
 }  // namespace cosiva::wire

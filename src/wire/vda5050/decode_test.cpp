@@ -473,5 +473,45 @@ TEST(Reading, accepts_requirements_that_a_body_tangential_to_its_line_fulfils) {
   EXPECT_THAT(read->edges[0].unsupported, IsEmpty());
 }
 
+TEST(Reading, refuses_a_required_header_of_another_version) {
+  const auto read = decode_connection(
+      R"({"headerId":1,"timestamp":"2023-07-11T10:00:00Z","version":"3.0.0","manufacturer":"M","serialNumber":"S",)"
+      R"("connectionState":"ONLINE"})");
+  EXPECT_EQ(code(read), "vda.version");
+  EXPECT_EQ(location(read), "connection.version");
+}
+
+TEST(Reading, leaves_what_is_absent_as_it_is_by_default) {
+  const auto read = decode_state(state());
+  ASSERT_TRUE(read) << to_string(read.error());
+  EXPECT_FALSE(read->paused);
+  EXPECT_FALSE(read->new_base_request);
+  EXPECT_EQ(read->distance_since_last_node_m, std::nullopt);
+  EXPECT_EQ(read->position, std::nullopt);
+  EXPECT_EQ(read->velocity, std::nullopt);
+  EXPECT_EQ(read->battery.voltage_v, std::nullopt);
+  EXPECT_EQ(read->battery.reach_m, std::nullopt);
+  EXPECT_EQ(read->zone_set_id, "");
+  const auto moving = decode_visualization(R"({"velocity":{"vy":0.5}})");
+  ASSERT_TRUE(moving);
+  EXPECT_EQ(moving->velocity, (Velocity{0.0, 0.5, 0.0}));
+}
+
+TEST(Reading, takes_the_deviation_of_2_1_where_there_are_both_spellings) {
+  const auto read = decode_order(
+      order(node(R"(,"nodePosition":{"x":0,"y":0,"allowedDeviationXY":0.2,"allowedDeviationXy":0.7,"mapId":"m"})")));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->nodes[0].position->allowed_deviation_xy_m, 0.2);
+}
+
+TEST(Reading, names_the_second_entry_of_a_list_in_a_list) {
+  const std::string action =
+      R"({"actionType":"t","actionId":"1","actionParameters":[{"key":"k","value":1},{"key":7}]})";
+  const auto read = decode_order(order(node("") + R"(,{"nodeId":"n","sequenceId":2,"released":true,"actions":[)" +
+                                       R"({"actionType":"t","actionId":"1"},)" + action + "]}"));
+  EXPECT_EQ(code(read), "vda.type");
+  EXPECT_EQ(location(read), "order.nodes[1].actions[1].actionParameters[1].key");
+}
+
 }  // namespace
 }  // namespace cosiva::wire::vda5050

@@ -358,5 +358,42 @@ TEST(Check, lists_errors_first_and_names_their_location) {
   }
 }
 
+TEST(Check, reports_a_wide_bend_that_is_driven_too_fast) {
+  // 2 m/s on a radius of 2 m: 2 m/s²; √(1.0 · 2) = 1.414 m/s is slow enough.
+  TrafficZone zone = zone_of({part("a", section({}, 1.0, 0.5))});
+  EXPECT_THAT(of_code(zone, "zone.speed"), IsEmpty());
+  zone.profiles.fast.speed_mps = 2.0;
+  const auto found = of_code(zone, "zone.speed");
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].text, "at 2.00 m/s vehicles are pushed outward with 2.00 m/s² in 'a'; limit it to 1.41 m/s");
+}
+
+TEST(Check, takes_a_radius_of_exactly_half_the_width_for_too_tight) {
+  TrafficZone zone = zone_of({part("a", section({}, 0.1, 4.0))});
+  zone.vehicle.width_m = 0.5;
+  EXPECT_THAT(of_code(zone, "zone.vehicle"), SizeIs(1));
+  zone.vehicle.width_m = 0.4375;
+  EXPECT_THAT(of_code(zone, "zone.vehicle"), IsEmpty());
+}
+
+TEST(Check, tolerates_starts_exactly_a_vehicle_and_its_gap_apart) {
+  TrafficZone zone = loop_with_spur();
+  zone.vehicle.length_m = 0.4;  // and 0.1 m of gap
+  zone.waypoints = {{"w", {0, 0.0}}};
+  zone.starts = {{0, 0.5}, {0, 1.0}};
+  EXPECT_THAT(of_code(zone, "zone.start"), IsEmpty());
+  zone.starts = {{0, 0.5}, {0, 0.9375}};
+  EXPECT_THAT(of_code(zone, "zone.start"), SizeIs(1));
+}
+
+TEST(Check, tries_only_as_many_stations_as_twenty_million_steps_allow) {
+  TrafficZone zone = zone_of({part("a", section({}, 2.0))});
+  for (int i = 0; i < 4500; ++i) zone.stations.push_back({"s" + std::to_string(i), {0, 2.0 * i / 4500}});
+  // 20 million / (1 section + 4500 stations) = 4443, and one more; all but the first lie beyond it.
+  const auto found = of_code(zone, "zone.unreachable");
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].text, "station 's0' cannot be reached from station 's1' and 4442 others");
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -411,5 +411,58 @@ TEST(DeadlockSpots, of_the_ready_zones_are_how_many_they_have_room_for) {
   }
 }
 
+TEST(DeadlockSpots, count_positions_exactly_a_vehicle_and_its_gap_apart) {
+  TrafficZone zone = zone_of({part("a", section({}, 4.0))});
+  zone.vehicle.length_m = 0.4;  // and 0.1 m of gap
+  const auto going_round = [&](double first_m, double second_m) {
+    set_waypoints(zone, {{0, first_m}, {0, second_m}});
+    return vehicles_going_round(zone, {0});
+  };
+  EXPECT_EQ(going_round(0.5, 1.0), 1U);
+  EXPECT_EQ(going_round(0.5, 0.9375), 0U);
+  EXPECT_EQ(going_round(0.0, 3.5), 1U) << "0.5 m beyond the end of the round";
+  EXPECT_EQ(going_round(0.0, 3.5625), 0U);
+}
+
+Circuit::Part turning(const char* name, const Pose2& start, std::vector<SectionId> next) {
+  Circuit::Part made = part(name, section(start, 1.0), std::move(next));
+  made.pivots = true;
+  return made;
+}
+
+TEST(DeadlockSpots, follow_a_single_track_from_its_beginning_whatever_the_order_of_its_sections) {
+  TrafficZone zone = zone_of({turning("b", {1.0, 0.0, 0.0}, {2}), turning("a", {0.0, 0.0, 0.0}, {0}),
+                              turning("c", {2.0, 0.0, 0.0}, {3}), turning("c back", {3.0, 0.0, pi}, {4}),
+                              turning("b back", {2.0, 0.0, pi}, {5}), turning("a back", {1.0, 0.0, pi}, {1})});
+  zone.crossings = std::vector<Crossing>{};
+  set_waypoints(zone, {{0, 0.5}});
+  const auto found = of_code(zone, "deadlock.single_track");
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].position, (TrackPosition{0, 0.0}));
+  EXPECT_EQ(found[0].text,
+            "'a' to 'c' are one track of 3.00 m driven both ways, and a vehicle may stop on 'b' while another comes "
+            "from the other direction; there is no room to pass");
+}
+
+TEST(DeadlockSpots, follow_a_single_track_once_round_a_circle) {
+  // Three thirds of a circle of 0.5 m radius, driven in both directions: "e" to the left, "w" back over the same.
+  const double third_m = pi / 3.0;
+  const Section e0 = section({}, third_m, 2.0);
+  const Section e1 = section(e0.end(), third_m, 2.0);
+  const Section e2 = section(e1.end(), third_m, 2.0);
+  const auto back = [&](const Section& of) {
+    return section({of.end().x_m, of.end().y_m, wrap_angle(of.end().heading_rad + pi)}, third_m, -2.0);
+  };
+  TrafficZone zone = zone_of({part("e0", e0, {1}), part("e1", e1, {2}), part("e2", e2, {0}), part("w0", back(e0), {5}),
+                              part("w1", back(e1), {3}), part("w2", back(e2), {4})});
+  EXPECT_EQ(opposites(zone), (std::vector<SectionId>{3, 4, 5, 0, 1, 2}));
+  zone.crossings = std::vector<Crossing>{};
+  set_waypoints(zone, {{0, 0.5}});
+  const auto found = of_code(zone, "deadlock.single_track");
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_THAT(found[0].text, HasSubstr("'e1' to 'e0' are one track of 3.1416 m"));
+  EXPECT_THAT(found[0].text, HasSubstr("may stop on 'e0' while"));
+}
+
 }  // namespace
 }  // namespace cosiva::zone

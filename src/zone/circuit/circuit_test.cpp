@@ -259,8 +259,11 @@ TEST(Circuit, advances_along_a_chosen_route_and_back_along_it) {
 TEST(Circuit, measures_along_a_chosen_route) {
   const Circuit circuit = diamond();
   const SectionId right[] = {2, 3};
-  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0).value(), 2.0);
-  EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0, right).value(), 4.0);
+  const auto past_m = [&](const std::vector<SectionId>& course) {
+    return circuit.distance_ahead({0, 0.5}, {3, 0.5}, 10.0, course).value();
+  };
+  EXPECT_DOUBLE_EQ(past_m({}), 2.0);
+  EXPECT_DOUBLE_EQ(past_m({2, 3}), 4.0);
   EXPECT_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 100.0), std::nullopt);  // never there by default
   EXPECT_DOUBLE_EQ(circuit.distance_ahead({0, 0.5}, {2, 0.5}, 10.0, right).value(), 1.0);
 }
@@ -374,6 +377,56 @@ TEST(Circuit, of_positions_on_no_section_is_an_error_of_the_program) {
     EXPECT_DEATH(static_cast<void>(line.distance_ahead(from, to, 1.0)), from_and_to);
   EXPECT_DEATH(static_cast<void>(line.shortest_route({2, 0.0}, {0, 0.0}, 1.0)), from_and_to);
   EXPECT_DEATH(static_cast<void>(line.shortest_route({0, 0.0}, {2, 0.0}, 1.0)), from_and_to);
+}
+
+TEST(Circuit, takes_a_turn_of_exactly_a_milliradian_for_straight_on) {
+  auto a = part("a", section({}, 1.0), {1});
+  a.pivots = true;
+  for (const double side : {1.0, -1.0}) {
+    const Circuit circuit = testing::circuit({a, part("b", section({1.0, 0.0, side * Circuit::smooth_rad}, 1.0))});
+    EXPECT_EQ(circuit.turn_at(0, 1), 0.0);
+  }
+}
+
+TEST(Circuit, measures_along_a_route_of_as_many_sections_as_it_has) {
+  const Circuit circuit = track();
+  const SectionId round[] = {1, 2, 3, 0};
+  const auto distance_m = [&](const TrackPosition& to) {
+    return circuit.distance_ahead({0, 0.5}, to, 100.0, round).value();
+  };
+  EXPECT_DOUBLE_EQ(distance_m({1, 0.25}), 1.75);
+  EXPECT_NEAR(distance_m({0, 0.25}), circuit.total_length_m() - 0.25,
+              1e-12);
+}
+
+TEST(Circuit, measures_without_a_limit_once_round_and_no_further) {
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  const auto distance_m = [&](const TrackPosition& to) { return diamond().distance_ahead({0, 0.5}, to, unlimited); };
+  EXPECT_EQ(distance_m({2, 0.5}), std::nullopt);
+  EXPECT_DOUBLE_EQ(distance_m({0, 0.25}).value(), 2.75);
+}
+
+TEST(Circuit, routes_to_its_own_position_without_driving_and_to_the_next_section_at_the_limit) {
+  const Circuit line = testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0))});
+  const auto here = line.shortest_route({0, 0.5}, {0, 0.5}, 0.0);
+  ASSERT_TRUE(here);
+  EXPECT_EQ(here->length_m, 0.0);
+  EXPECT_THAT(here->sections, ElementsAre(0));
+  const auto there = line.shortest_route({0, 0.5}, {1, 0.0}, 0.5);
+  ASSERT_TRUE(there);
+  EXPECT_EQ(there->length_m, 0.5);
+  EXPECT_THAT(there->sections, ElementsAre(0, 1));
+}
+
+TEST(Circuit, routes_over_the_lower_of_two_equally_long_branches) {
+  const Section branch = section({1.0, 0.0, 0.0}, 1.0);
+  const Circuit circuit = testing::circuit({part("in", section({}, 1.0), {2, 1}), part("one", branch, {3}),
+                                            part("two", branch, {3}), part("out", section({2.0, 0.0, 0.0}, 1.0))});
+  EXPECT_THAT(circuit.shortest_route({0, 0.5}, {3, 0.5}, 10.0)->sections, ElementsAre(0, 1, 3));
+}
+
+TEST(Circuit, without_sections_locates_nothing_by_an_error_of_the_program) {
+  EXPECT_DEATH(static_cast<void>(Circuit{}.locate(Point2{})), "parts_.empty");
 }
 
 }  // namespace

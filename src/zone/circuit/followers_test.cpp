@@ -107,5 +107,26 @@ TEST(Followers, take_each_step_s_cost_from_the_work_and_stop_when_it_is_not_enou
   EXPECT_FALSE(followers.find(5.0, work));
 }
 
+TEST(Followers, follow_round_a_corner_of_exactly_45_degrees) {
+  for (const double side : {1.0, -1.0}) {
+    auto in = part("in", section({}, 1.0), {1});
+    in.pivots = true;
+    const Circuit circuit = testing::circuit({in, part("out", section({1.0, 0.0, side * pi / 4.0}, 1.0))});
+    EXPECT_TRUE(Followers{circuit}.follows(0, 1));
+  }
+}
+
+TEST(Followers, of_a_dead_end_are_not_those_of_the_section_listed_after_it) {
+  const Circuit circuit =
+      testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 1.0)),
+                        part("c", section({0.0, 5.0, 0.0}, 1.0), {3}), part("d", section({1.0, 5.0, 0.0}, 1.0))});
+  Followers followers{circuit};
+  std::size_t work = plenty;
+  ASSERT_TRUE(followers.find(5.0, work));
+  EXPECT_EQ(followers.gap_m(0, 3), infinity);
+  EXPECT_EQ(followers.gap_m(1, 3), infinity);
+  EXPECT_EQ(followers.gap_m(2, 3), 0.0);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -163,5 +163,14 @@ TEST(Locate, locates_from_far_away_and_far_from_the_origin) {
   EXPECT_LT(located.distance_m, 1e-9);
 }
 
+TEST(Locate, takes_a_section_that_heads_exactly_sixty_degrees_elsewhere_for_aligned) {
+  for (const double side : {1.0, -1.0}) {
+    const Circuit circuit = testing::circuit({part("aslant", section({0.0, 0.0, side * pi / 3.0}, 2.0)),
+                                              part("along", section({0.0, -side * 5.0, 0.0}, 2.0))});
+    EXPECT_EQ(circuit.locate({0.5, side * 0.8}, 0.0).position.section, 0U);
+    EXPECT_EQ(circuit.locate({0.5, side * 0.8}, side * -1e-9).position.section, 1U);
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::zone

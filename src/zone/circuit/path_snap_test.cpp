@@ -62,5 +62,17 @@ TEST(PathSnap, is_the_lower_section_where_two_begin_as_one) {
   EXPECT_EQ(found->position.section, 0U);
 }
 
+TEST(PathSnap, is_the_lower_section_where_a_distance_and_a_turn_weigh_the_same) {
+  std::vector<Circuit::Part> parts;
+  parts.push_back(straight("along", {0.0, 0.0, 0.0}, 2.0));
+  parts.push_back(straight("under", {1.0, 0.025, 0.5}, 1.0));
+  const Circuit circuit = *Circuit::make("aslant", std::move(parts));
+  // 0.025 m to the one, half a radian to the other.
+  const auto found = snap_to_path(circuit, {1.0, 0.025, 0.0});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->position.section, 0U);
+  EXPECT_EQ(snap_to_path(circuit, {1.0, 0.025, 0.01})->position.section, 1U);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -94,6 +95,47 @@ TEST(PoseTable, of_lists_of_different_lengths_is_an_error_of_the_program) {
                  "s_m.size.. == count && x_m.size.. == count && y_m.size.. == count && heading_rad.size.. == count")
         << shorter;
   }
+}
+
+TEST(PoseTable, wraps_a_heading_of_exactly_minus_half_a_turn) {
+  const Circuit circuit = testing::circuit({testing::part("a", testing::section({}, 9.0, -1.0))});
+  const std::vector<SectionId> sections{0};
+  const std::vector<double> s_m{pi};
+  std::vector<double> x_m(1);
+  std::vector<double> y_m(1);
+  std::vector<double> heading_rad(1);
+  PoseTable{circuit}.poses(sections, s_m, x_m, y_m, heading_rad);
+  EXPECT_GT(heading_rad[0], -pi);
+  EXPECT_LE(heading_rad[0], pi);
+  EXPECT_NEAR(std::fabs(heading_rad[0]), pi, 1e-15);
+  EXPECT_NEAR(y_m[0], -2.0, 1e-12);
+}
+
+TEST(PoseTable, wraps_headings_to_the_bits_of_a_single_pose) {
+  const Circuit circuit = testing::circuit({testing::part("left", testing::section({0.0, 0.0, 2.5}, 40.0, 1.0)),
+                                            testing::part("right", testing::section({0.0, 0.0, -2.5}, 40.0, -1.0))});
+  const PoseTable table{circuit};
+  std::vector<SectionId> sections;
+  std::vector<double> s_m;
+  for (int i = 1; i < 80; ++i) {
+    sections.push_back(static_cast<SectionId>(i % 2));
+    s_m.push_back(0.5 * i);  // never near half a turn
+  }
+  std::vector<double> x_m(s_m.size());
+  std::vector<double> y_m(s_m.size());
+  std::vector<double> heading_rad(s_m.size());
+  table.poses(sections, s_m, x_m, y_m, heading_rad);
+  for (std::size_t i = 0; i < s_m.size(); ++i)
+    EXPECT_EQ(heading_rad[i], circuit.pose_at({sections[i], s_m[i]}).heading_rad) << s_m[i];
+}
+
+TEST(PoseTable, takes_no_more_bytes_than_a_row_and_a_bit_a_section) {
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < 129; ++i)
+    parts.push_back(testing::part("s" + std::to_string(i), testing::section({0.0, 1.0 * i, 0.0}, 1.0)));
+  const Circuit circuit = testing::circuit(std::move(parts));
+  // 129 bits are three words of 8 bytes.
+  EXPECT_EQ(PoseTable{circuit}.bytes(), 129U * 8U * sizeof(double) + 3U * 8U);
 }
 
 }  // namespace

@@ -198,5 +198,32 @@ TEST(Svg, leaves_out_what_it_does_not_know) {
   EXPECT_EQ(count(svg_of({frame(2.0, 1.0), {Shape::disc, "tag", {}, 0.1, {}}}), "<circle"), 0U);
 }
 
+TEST(Svg, keeps_merged_lines_visible) {
+  const auto merged = [](const char* layer) {
+    std::vector<Primitive> primitives{frame(2.0, 1.0)};
+    for (int i = 0; i < 5001; ++i) primitives.push_back({Shape::polyline, layer, {{0.5, 0.5}, {1.0, 0.5}}, 1e-6, {}});
+    return svg_of(primitives);
+  };
+  EXPECT_THAT(merged("road"), HasSubstr("<path stroke-width=\"4.5\" stroke-linecap=\"round\""));
+  EXPECT_THAT(merged("line"), HasSubstr("<path stroke-width=\"1.4\" stroke-linecap=\"round\""));
+  EXPECT_THAT(merged("section"), HasSubstr("<path stroke-width=\"0.05\" stroke-linecap=\"round\""));
+}
+
+TEST(Svg, of_nothing_has_a_head_and_a_foot) {
+  // 72 px of margins, 56 px of head and 64 px of foot.
+  const std::string svg = svg_of({});
+  EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 760 192\" width=\"760\" height=\"192\""));
+  EXPECT_EQ(count(svg, "<g "), 0U);
+  EXPECT_EQ(count(svg, "<title>"), 1U);
+}
+
+TEST(Svg, titles_a_shape_only_where_it_has_a_name) {
+  const auto titles = [](const char* label) {
+    return count(svg_of({frame(2.0, 1.0), {Shape::disc, "tag", {{1.0, 0.5}}, 0.05, label}}), "<title>");
+  };
+  EXPECT_EQ(titles("tag 1"), 2U) << "and the zone's own";
+  EXPECT_EQ(titles(""), 1U);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

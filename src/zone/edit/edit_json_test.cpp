@@ -123,7 +123,7 @@ TEST(ZoneEditJson, refuses_impossible_positions_of_beacons) {
   EXPECT_EQ(code_of(R"({"beacons":{"pitch":11}})"), "edit.pitch");
   EXPECT_EQ(code_of(R"({"beacons":{"pitch":"x"}})"), "edit.pitch");
   EXPECT_EQ(code_of(R"({"beacons":{"pitch":0.3},"beaconPitch":0.2})"), "edit.twice");
-  for (const char* origin : {"3", "[1]", "[1,2,3]", R"(["a",1])", "[1e7,0]", "[0,-1e300]"})
+  for (const char* origin : {"3", "[1]", "[1,2,3]", R"(["a",1])", R"([1,"a"])", "[1e7,0]", "[0,-1e300]"})
     EXPECT_EQ(code_of(R"({"beacons":{"origin":)" + std::string(origin) + "}}"), "edit.origin") << origin;
   EXPECT_EQ(code_of(R"({"beacons":{"rotation":6.3}})"), "edit.rotation");
   EXPECT_EQ(code_of(R"({"beacons":{"rotation":true}})"), "edit.rotation");
@@ -133,6 +133,7 @@ TEST(ZoneEditJson, refuses_impossible_positions_of_beacons) {
 TEST(ZoneEditJson, distinguishes_a_tag_30_cm_off_every_section_from_one_just_near_enough) {
   const TrafficZone zone = parsed(file(straight));
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.2999}]})", zone), "none");
+  EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":0.3}]})", zone), "none");
   EXPECT_EQ(code_of(R"({"addTags":[{"number":1,"x":1.0,"y":-0.3001}]})", zone), "edit.position");
   EXPECT_THAT(from_json(R"({"addTags":[{"number":1,"x":1.0,"y":-0.5}]})", zone).error().message, HasSubstr("0.50 m"));
 }

@@ -395,6 +395,19 @@ TEST(WithEdit, lets_a_covering_grid_cover_the_zone_again_from_the_same_number) {
   EXPECT_NEAR(after->beacons->origin.y_m, -0.30, 1e-12);
 }
 
+TEST(WithEdit, covers_a_zone_with_at_most_twenty_thousand_beacons) {
+  // 197.5 m and half a vehicle, 0.06 m, on either side: 200 columns from −1 m to 198 m.
+  const auto covered = [](double depth_m) {
+    TrafficZone zone = small_zone();
+    zone.circuit = testing::circuit({testing::part("near", testing::section({}, 197.5)),
+                                     testing::part("far", testing::section({0.0, depth_m, 0.0}, 197.5))});
+    zone.beacons->covers_through = Point2{0.0, 0.0};
+    return refusal(beacons(1.0, {}, {}), zone);
+  };
+  EXPECT_EQ(covered(97.5), "") << "100 rows";
+  EXPECT_EQ(covered(98.5), "edit.pitch") << "101 rows";
+}
+
 TEST(WithEdit, without_a_change_of_beacons_needs_none) {
   TrafficZone zone = small_zone();
   zone.beacons.reset();

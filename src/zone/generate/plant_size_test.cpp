@@ -60,6 +60,46 @@ TEST(PlantSize, is_reached_by_a_layout_about_as_wide_as_high_and_by_no_smaller_o
   }
 }
 
+// Without gaps a plant has rows · (aisles · (7 · bays + 7) + 42) sections, of which nine tenths are there, and two per
+// cent more are wanted. A plant grows by an aisle where it is less wide than high, 9 aisles against 12 for each bay and
+// 12 for the lanes of each row, else by a bay up to three for each row, else by a row.
+TEST(PlantSize, grows_from_one_row_of_two_aisles_by_aisles_then_bays_then_rows) {
+  const struct {
+    std::size_t sections;
+    std::uint32_t rows, aisles, bays;
+  } all[] = {{0, 1, 2, 2},     // 75
+             {74, 1, 2, 2},    // 74 and 1 are 75
+             {75, 1, 3, 2},    // 18 < 36; 94
+             {93, 1, 3, 2},    // 93 and 1
+             {94, 1, 4, 2},    // 27 < 36; 113
+             {111, 1, 4, 2},   // 111 and 2
+             {112, 1, 4, 3},   // 36 = 36, two bays; 138
+             {140, 1, 5, 3},   // 36 < 48; 163
+             {162, 1, 6, 3},   // 45 < 48; 189
+             {186, 1, 6, 3},   // 186 and 3
+             {187, 2, 6, 3}};  // 54 > 48, three bays; 378
+  for (const auto& [sections, rows, aisles, bays] : all) {
+    const PlantOptions options = plant_of_size(sections);
+    EXPECT_EQ(options.rows, rows) << sections;
+    EXPECT_EQ(options.aisles, aisles) << sections;
+    EXPECT_EQ(options.bays, bays) << sections;
+  }
+}
+
+TEST(PlantSize, counts_seven_sections_a_bay_and_the_lanes_and_ends_of_each_row) {
+  const auto most = [](std::uint32_t rows, std::uint32_t aisles, std::uint32_t bays) {
+    PlantOptions options;
+    options.rows = rows;
+    options.aisles = aisles;
+    options.bays = bays;
+    return plant_sections_max(options);
+  };
+  EXPECT_EQ(most(1, 1, 0), 7U + 42U);
+  EXPECT_EQ(most(1, 1, 1), 14U + 42U);
+  EXPECT_EQ(most(1, 3, 2), 3U * 21U + 42U);
+  EXPECT_EQ(most(5, 3, 2), 5U * (3U * 21U + 42U));
+}
+
 TEST(PlantSize, is_limited_to_what_can_be_generated) {
   EXPECT_LE(plant_sections_max(plant_of_size(170'000)), 200'000U);
   EXPECT_DEATH(static_cast<void>(plant_of_size(170'001)), "sections <= 170'000");

@@ -427,6 +427,24 @@ TEST(Fit, rounds_a_kink_no_further_than_a_small_vehicle_needs) {
   }
 }
 
+// A jump is rounded over tangents of four times its ratio to the heading's tolerance, 4 · 5e-4/1e-3 = 2 m here, unless
+// its kink, 1e-3 rad, allows fewer (3.2 m) or needs more (0.32 m). Halving the 10 m to either side finds 1.25 m, or
+// 0.3125 m without the jump.
+TEST(Fit, rounds_a_jump_further_than_its_kink_alone) {
+  const auto rounding_m = [](double jump_m) {
+    const auto at = [=](double u) {
+      if (u < 10.0) return Pose2{u, 0.0, 0.0};
+      return Pose2{10.0 + (u - 10.0) * std::cos(1e-3), jump_m + (u - 10.0) * std::sin(1e-3), 1e-3};
+    };
+    const auto result = fit({at, 0.0, 20.0, {10.0}});
+    EXPECT_TRUE(result);
+    EXPECT_EQ(result->sections.size(), 3U);
+    return result->sections[1].length_m();
+  };
+  EXPECT_NEAR(rounding_m(0.0), 0.625, 0.001);
+  EXPECT_NEAR(rounding_m(5e-4), 2.5, 0.001);
+}
+
 TEST(Fit, takes_breaks_that_lie_on_one_another_for_one) {
   const auto at = [](double u) { return Pose2{u, 0.0, 0.0}; };
   const auto count = [&](std::vector<double> breaks) {

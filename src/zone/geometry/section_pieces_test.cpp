@@ -68,6 +68,22 @@ TEST(HeadingsNear, are_all_where_the_width_is_a_full_turn_or_the_heading_is_no_n
   EXPECT_EQ(headings_near(1.0, std::numeric_limits<double>::quiet_NaN()), every_heading);
 }
 
+TEST(HeadingsNear, have_a_margin_of_a_microradian) {
+  EXPECT_EQ(headings_near(sector_rad - 0.9e-6, 0.0), 3U);
+  EXPECT_EQ(headings_near(sector_rad - 1.1e-6, 0.0), 1U);
+  EXPECT_EQ(headings_near(sector_rad + 0.9e-6, 0.0), 3U);
+  EXPECT_EQ(headings_near(sector_rad + 1.1e-6, 0.0), 2U);
+  // Half a turn less a sixteenth to each side of the centre of a sixteenth is all of them, a little less all but one.
+  EXPECT_EQ(headings_near(0.5 * sector_rad, pi - 0.99 * sector_rad), every_heading);
+  EXPECT_EQ(headings_near(0.5 * sector_rad, pi - 1.01 * sector_rad), ~(Headings{1} << 16U));
+}
+
+TEST(SectionPieces, have_a_margin_of_a_tenth_of_a_micrometre) {
+  EXPECT_EQ(cut(made({}, 1.0), 9.0).at(0).bulge_m, 1e-7);
+  // Two pieces of 1 m on a radius of 2 m: ⅛·1²·½.
+  EXPECT_NEAR(cut(made({}, 2.0, 0.5), 9.0).at(0).bulge_m, 0.0625 + 1e-7, 1e-12);
+}
+
 TEST(SectionPieces, are_as_few_as_their_length_and_their_bend_allow) {
   EXPECT_EQ(cut(made({}, 2.0), 2.5).size(), 1U);
   EXPECT_EQ(cut(made({}, 2.0), 0.5).size(), 4U);

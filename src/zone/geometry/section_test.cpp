@@ -296,6 +296,69 @@ TEST(Section, nearest_to_the_centre_of_an_arc_is_a_radius_away) {
   EXPECT_NEAR(near.left_m, 0.6, 1e-12);
 }
 
+// Pieces of a curve turn by at most half a radian: a quarter of a circle of 1 m has four. The box holds their ends and
+// centres with a margin of a quarter of a radian times half a piece, by 8.
+TEST(Section, box_of_a_bend_has_a_margin_of_a_256th_of_its_pieces) {
+  const double margin_m = 0.5 * (0.125 * pi) * 0.25 / 8.0;
+  const Box left = make({0.0, 0.0, 0.0}, 0.5 * pi, 1.0).box();
+  EXPECT_NEAR(left.low.x_m, 0.0 - margin_m, 1e-12);
+  EXPECT_NEAR(left.low.y_m, 0.0 - margin_m, 1e-12);
+  EXPECT_NEAR(left.high.x_m, 1.0 + margin_m, 1e-12);
+  EXPECT_NEAR(left.high.y_m, 1.0 + margin_m, 1e-12);
+  const Box right = make({0.0, 0.0, pi}, 0.5 * pi, 1.0).box();
+  EXPECT_NEAR(right.low.x_m, -1.0 - margin_m, 1e-12);
+  EXPECT_NEAR(right.low.y_m, -1.0 - margin_m, 1e-12);
+  EXPECT_NEAR(right.high.x_m, margin_m, 1e-12);
+  EXPECT_NEAR(right.high.y_m, margin_m, 1e-12);
+  const Box straight = make({1.0, 2.0, pi}, 3.0).box();
+  EXPECT_NEAR(straight.low.x_m, -2.0, 1e-12);
+  EXPECT_EQ(straight.high.x_m, 1.0);
+  EXPECT_NEAR(straight.low.y_m, 2.0, 1e-12);
+}
+
+// A circle of 1 m about (0, 1), from its lowest point to three quarters: the missing quarter is on the left.
+TEST(Section, nearest_of_an_arc_is_an_end_where_the_arc_does_not_go) {
+  const Section arc = make({0.0, 0.0, 0.0}, 1.5 * pi, 1.0);
+  const auto near_start = arc.nearest({-0.5, 0.0});
+  EXPECT_EQ(near_start.s_m, 0.0);
+  EXPECT_NEAR(near_start.distance_m, 0.5, 1e-12);
+  EXPECT_NEAR(near_start.left_m, 0.0, 1e-12);
+  const auto near_end = arc.nearest({-1.0, 0.5});  // it ends at (−1, 1), heading south
+  EXPECT_EQ(near_end.s_m, arc.length_m());
+  EXPECT_NEAR(near_end.distance_m, 0.5, 1e-12);
+  EXPECT_NEAR(near_end.left_m, 0.0, 1e-12);
+  const auto outside = arc.nearest({3.0, 1.0});
+  EXPECT_NEAR(outside.s_m, 0.5 * pi, 1e-12);
+  EXPECT_NEAR(outside.left_m, -2.0, 1e-12);
+  EXPECT_NEAR(outside.distance_m, 2.0, 1e-12);
+  const auto above = arc.nearest({0.0, 2.5});
+  EXPECT_NEAR(above.s_m, pi, 1e-12);
+  EXPECT_NEAR(above.left_m, -0.5, 1e-12);
+}
+
+// κ = s: the heading is s²/2. Half a metre to the left of s = 1.2 m, where the radius is 0.83 m, and of others.
+TEST(Section, nearest_of_a_clothoid_is_the_foot_of_the_perpendicular) {
+  for (const double side : {1.0, -1.0}) {
+    const Section clothoid = make({2.0, -1.0, 0.4}, 2.0, 0.0, side);
+    for (const double s_m : {0.0, 0.3, 0.7, 1.2, 1.99, 2.0}) {
+      for (const double left_m : {0.3, -0.3, 1e-7, -2.0 * side}) {
+        const auto near = clothoid.nearest(clothoid.pose_at(s_m) * Point2{0.0, left_m});
+        EXPECT_NEAR(near.s_m, s_m, 1e-9) << s_m << ' ' << left_m;
+        EXPECT_NEAR(near.left_m, left_m, 1e-9) << s_m << ' ' << left_m;
+        EXPECT_NEAR(near.distance_m, std::fabs(left_m), 1e-9) << s_m << ' ' << left_m;
+      }
+    }
+    // Straight ahead of its end, and behind its start.
+    const auto beyond = clothoid.nearest(clothoid.end() * Point2{0.4, 0.0});
+    EXPECT_EQ(beyond.s_m, 2.0);
+    EXPECT_NEAR(beyond.left_m, 0.0, 1e-12);
+    EXPECT_NEAR(beyond.distance_m, 0.4, 1e-12);
+    const auto behind = clothoid.nearest(clothoid.start() * Point2{-0.4, 0.0});
+    EXPECT_EQ(behind.s_m, 0.0);
+    EXPECT_NEAR(behind.distance_m, 0.4, 1e-12);
+  }
+}
+
 // Invalid sections ----------------------------------------------------------------------------------------------------
 
 TEST(Section, refuses_values_that_are_no_numbers) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/base/random.h"
@@ -175,6 +176,53 @@ TEST(TagFree, is_the_longest_distance_between_tags_in_any_graph) {
     RC_ASSERT(longest.endless == endless);
     if (!endless) RC_ASSERT(std::fabs(longest.length_m - wanted_m) < 1e-9);
   }));
+}
+
+TEST(TagFree, is_the_longest_of_several_loops_without_a_tag) {
+  const auto lap = [](const char* name, double x_m, double radius_m, std::vector<SectionId> next) {
+    return part(name, section({x_m, 0.0, 0.0}, 2.0 * pi * radius_m, 1.0 / radius_m), std::move(next));
+  };
+  const Stretch second = longest_tag_free(
+      zone_of(testing::circuit({lap("a", 0.0, 0.5, {0}), lap("b", 9.0, 0.8, {1}), lap("c", 18.0, 0.6, {2})})));
+  EXPECT_TRUE(second.endless);
+  EXPECT_NEAR(second.length_m, 1.6 * pi, 1e-12);
+  EXPECT_EQ(second.from, (TrackPosition{1, 0.0}));
+  EXPECT_EQ(second.to, (TrackPosition{1, second.length_m}));
+  // What leads into a loop is no part of it.
+  const Section stem = section({-3.0, 0.0, 0.0}, 3.0);
+  const Stretch behind_stem =
+      longest_tag_free(zone_of(testing::circuit({part("stem", stem, {1}), lap("a", 0.0, 0.5, {1})})));
+  EXPECT_TRUE(behind_stem.endless);
+  EXPECT_NEAR(behind_stem.length_m, pi, 1e-12);
+  EXPECT_EQ(behind_stem.from, (TrackPosition{1, 0.0}));
+  // From the first section of a loop to the end of its last.
+  const TrafficZone track = zone_of(testing::track(2.0, 0.5));
+  const Stretch round = longest_tag_free(track);
+  EXPECT_EQ(round.from, (TrackPosition{0, 0.0}));
+  EXPECT_EQ(round.to, (TrackPosition{3, track.circuit.section(3).length_m()}));
+}
+
+TEST(TagFree, runs_over_sections_without_a_tag_to_the_next) {
+  // 1 m, 2 m and 3 m in a row.
+  TrafficZone zone =
+      zone_of(testing::circuit({part("a", section({}, 1.0), {1}), part("b", section({1.0, 0.0, 0.0}, 2.0), {2}),
+                                part("c", section({3.0, 0.0, 0.0}, 3.0))}));
+  const auto expect_longest = [&](double length_m, TrackPosition from, TrackPosition to) {
+    const Stretch longest = longest_tag_free(zone);
+    EXPECT_NEAR(longest.length_m, length_m, 1e-12);
+    EXPECT_EQ(longest.from, from);
+    EXPECT_EQ(longest.to, to);
+    EXPECT_FALSE(longest.endless);
+  };
+  expect_longest(6.0, {0, 0.0}, {2, 3.0});
+  zone.tags = {{1, {2, 1.5}}};
+  expect_longest(4.5, {0, 0.0}, {2, 1.5});
+  zone.tags = {{1, {0, 0.5}}, {2, {2, 1.5}}};
+  expect_longest(4.0, {0, 0.5}, {2, 1.5});
+  zone.tags = {{1, {0, 0.5}}, {2, {1, 0.25}}};
+  expect_longest(4.75, {1, 0.25}, {2, 3.0});
+  zone.tags = {{1, {2, 2.75}}, {2, {2, 0.25}}, {3, {1, 1.0}}};
+  expect_longest(2.5, {2, 0.25}, {2, 2.75});
 }
 
 TEST(SuggestedOrigin, lies_within_a_pitch_and_is_a_good_one) {

@@ -249,5 +249,35 @@ TEST(SuggestedOrigin, holds_for_beacons_that_are_laid_a_millimetre_off) {
   }
 }
 
+// Offsets are tried along x, then along y, in steps of a pitch divided by 8 to 32, as many as the pitch has reaches.
+// The line runs half a pitch, 0.15 m, from a row; the first offset along y that brings a row within nine tenths of
+// the reach to it reads a beacon every 0.30 m, and no other does better.
+TEST(SuggestedOrigin, is_the_first_of_its_matrix_of_offsets_that_is_best) {
+  TrafficZone zone = straight_zone();
+  zone.beacons = grid(0.30, {-3.0, -3.15});
+  const auto expect_origin = [&](double reach_m, double y_m) {
+    const auto better = suggest_origin(zone, reach_m);
+    ASSERT_TRUE(better);
+    EXPECT_NEAR(better->origin.x_m, -3.0, 1e-9) << reach_m;
+    EXPECT_NEAR(better->origin.y_m, y_m, 1e-9) << reach_m;
+    EXPECT_NEAR(better->before_m, 6.0, 1e-9) << reach_m;
+    EXPECT_NEAR(better->after_m, 0.30, 1e-6) << reach_m;
+  };
+  expect_origin(0.02, -3.01);   // 15 steps of 0.02 m: 0.14 m leave 1 cm
+  expect_origin(0.10, -3.075);  // 8 steps of 0.0375 m: 0.075 m leave 0.075 m
+  expect_origin(0.007, -3.0);   // 32 steps of 0.009375 m, not 43: 0.15 m leave nothing
+}
+
+TEST(SuggestedOrigin, of_a_matrix_that_covers_the_zone_is_where_it_passes_through) {
+  TrafficZone zone = straight_zone();
+  zone.beacons = grid(0.30, {-3.0, -3.0});
+  zone.beacons->covers_through = Point2{-1.5, 0.0};
+  const auto same = suggest_origin(zone);
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->origin, (Point2{-1.5, 0.0}));
+  EXPECT_NEAR(same->before_m, 0.30, 1e-9);
+  EXPECT_NEAR(same->after_m, 0.30, 1e-9);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

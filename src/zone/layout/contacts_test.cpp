@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -98,6 +100,100 @@ TEST(Contacts, of_adjacent_sections_are_found_up_to_twenty_million_pairs) {
   };
   EXPECT_TRUE(found(4573));
   EXPECT_FALSE(found(4574));
+}
+
+/// Those of bodies on one section with vehicles on another.
+std::vector<Contact> contacts_of(const Circuit& circuit, SectionId on, SectionId other) {
+  const auto all = find_contacts(circuit, ContactRules{{0.20, 0.12}, 0.04});
+  EXPECT_TRUE(all);
+  std::vector<Contact> found;
+  for (const Contact& contact : *all)
+    if (contact.on == on && contact.other == other) found.push_back(contact);
+  return found;
+}
+
+// A corner of 90° at the origin, and a straight that passes 0.18 m from it. A vehicle that turns on the spot sweeps a
+// disc of half its diagonal and the clearance, r = √(0.10² + 0.06²) + 0.04. A body on the straight has its side 0.12 m
+// from the centre, and is within r of it up to √(r² − 0.12²) before its front or behind its rear.
+TEST(Contacts, of_a_vehicle_that_turns_on_the_spot_are_those_with_its_disc) {
+  Circuit::Part in = part("in", section({-2.0, 0.0, 0.0}, 2.0), {1});
+  in.pivots = true;
+  const Circuit circuit = testing::circuit(
+      {in, part("out", section({0.0, 0.0, pi / 2.0}, 2.0)), part("past", section({0.18, -2.0, pi / 2.0}, 4.0))});
+  const double disc_m = norm(0.10, 0.06) + 0.04;
+  const double reach_m = 0.10 + std::sqrt(disc_m * disc_m - 0.12 * 0.12);
+  const auto past = contacts_of(circuit, 2, 0);
+  ASSERT_EQ(past.size(), 1U);
+  const Contact& disc = past[0];  // with the end of "in" alone
+  EXPECT_NEAR(disc.from_m, 2.0 - reach_m, 2e-5);
+  EXPECT_NEAR(disc.to_m, 2.0 + reach_m, 2e-5);
+  EXPECT_EQ(disc.other_from_m, 2.0);
+  EXPECT_EQ(disc.other_to_m, 2.0);
+  EXPECT_NEAR(disc.position.x_m, 0.09, 1e-9) << "at the centre between the two lines";
+  EXPECT_NEAR(disc.position.y_m, 0.0, 1e-9);
+  // Likewise for the vehicle that turns: its last step touches as much of the straight.
+  const auto turning = contacts_of(circuit, 0, 2);
+  ASSERT_EQ(turning.size(), 2U);
+  EXPECT_NEAR(turning[1].from_m, 2.0 - 0.005, 1e-12);
+  EXPECT_EQ(turning[1].to_m, 2.0);
+  EXPECT_NEAR(turning[1].other_from_m, 2.0 - reach_m, 2e-5);
+  EXPECT_NEAR(turning[1].other_to_m, 2.0 + reach_m, 2e-5);
+  // The vehicle behind it must stay out of the disc, which is no counterpart of itself.
+  const auto behind = contacts_of(circuit, 0, 0);
+  ASSERT_EQ(behind.size(), 1U);
+  EXPECT_NEAR(behind[0].from_m, 2.0 - 0.10 - disc_m, 2e-5);
+  EXPECT_EQ(behind[0].to_m, 2.0);
+  // And the one that has left.
+  const auto left = contacts_of(circuit, 1, 0);
+  ASSERT_FALSE(left.empty());
+  double furthest_m = 0.0;
+  for (const Contact& contact : left) {
+    EXPECT_EQ(contact.from_m, 0.0);
+    furthest_m = std::max(furthest_m, contact.to_m);
+  }
+  EXPECT_NEAR(furthest_m, 0.10 + disc_m, 2e-5);
+}
+
+// The straights of this track are 0.14 m apart: a body's side is 0.08 m from the other centre line, which it touches up
+// to 0.10 + √(0.10² − 0.08²) = 0.16 m before and behind its centre. Vehicles up to 0.40 m of path apart follow each
+// other, of which half a circle of 0.07 m takes 0.2199 m: the other 0.1801 m are on both straights together.
+TEST(Contacts, are_none_of_vehicles_that_follow_each_other_round_a_bend) {
+  const Circuit track = testing::track(2.0, 0.07);
+  const double nearest_end_m = 0.5 * (0.40 - 0.07 * pi - 0.16);
+  for (const auto& [on, other] : {std::pair<SectionId, SectionId>{0, 2}, {2, 0}}) {
+    const auto found = contacts_of(track, on, other);
+    ASSERT_EQ(found.size(), 1U);
+    // The other line is sampled every 5 mm.
+    EXPECT_NEAR(found[0].from_m, nearest_end_m, 0.003) << on;
+    EXPECT_NEAR(found[0].to_m, 2.0 - nearest_end_m, 0.003) << on;
+    EXPECT_NEAR(found[0].other_from_m, nearest_end_m, 0.006) << on;
+    EXPECT_NEAR(found[0].other_to_m, 2.0 - nearest_end_m, 0.006) << on;
+  }
+  EXPECT_TRUE(contacts_of(track, 0, 0).empty());
+}
+
+// Overhangs: at an open end a stopped vehicle reaches half its length further.
+TEST(Contacts, hold_what_reaches_beyond_an_open_end_and_nothing_beyond_a_joint) {
+  // "past" leads north, 0.25 m east of the end of "in": a body there, 0.06 m to its side, is 0.19 m from it. Half a
+  // vehicle beyond the end only 0.09 m are left, of which 0.10 m would have to be free.
+  const auto touched = [](bool continued) {
+    std::vector<Circuit::Part> parts{part("in", section({-2.0, 0.0, 0.0}, 2.0)),
+                                     part("past", section({0.25, -2.0, pi / 2.0}, 4.0))};
+    if (continued) {
+      // Round a bend of 0.1 m to the left, away from "past".
+      parts[0].next = {2};
+      parts.push_back(part("on", section({0.0, 0.0, 0.0}, 0.05 * pi, 10.0)));
+    }
+    return contacts_of(testing::circuit(std::move(parts)), 1, 0);
+  };
+  const auto open = touched(false);
+  ASSERT_EQ(open.size(), 1U);
+  const double reach_m = 0.10 + std::sqrt(0.10 * 0.10 - 0.09 * 0.09);
+  EXPECT_NEAR(open[0].from_m, 2.0 - reach_m, 2e-5);
+  EXPECT_NEAR(open[0].to_m, 2.0 + reach_m, 2e-5);
+  EXPECT_EQ(open[0].other_from_m, 2.0) << "all of the overhang belongs to the end";
+  EXPECT_EQ(open[0].other_to_m, 2.0);
+  EXPECT_TRUE(touched(true).empty());
 }
 
 }  // namespace

@@ -171,6 +171,29 @@ TEST(Crossings, of_three_sections_at_one_position_are_one) {
   expect_every_touch_is_in_a_crossing(star, crossings);
 }
 
+// Sections at 60° and 120°: the front corner (0.10, 0.06) of a body at −x is near the others' lines when
+// x·sin 60° = near + 0.10·sin 60° + 0.06·cos 60°.
+TEST(Crossings, of_three_sections_reach_as_far_on_each_of_them) {
+  std::vector<Circuit::Part> parts;
+  for (int i = 0; i < 3; ++i) {
+    const double angle = i * pi / 3.0;
+    parts.push_back(part("s" + std::to_string(i), section({3.0 - std::cos(angle), 2.0 - std::sin(angle), angle}, 2.0)));
+  }
+  const auto crossings = find_crossings(testing::circuit(std::move(parts)), vehicle, clearance_m);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_EQ(crossings[0].name, "X1");
+  EXPECT_NEAR(crossings[0].centre.x_m, 3.0, 0.005) << "the mean of all six contacts";
+  EXPECT_NEAR(crossings[0].centre.y_m, 2.0, 0.005);
+  ASSERT_THAT(crossings[0].spans, SizeIs(3));
+  const double sine = std::sin(pi / 3.0);
+  const double reach_m = (near_m + 0.10 * sine + 0.06 * 0.5) / sine;
+  for (SectionId id = 0; id < 3; ++id) {
+    EXPECT_EQ(crossings[0].spans[id].section, id);
+    EXPECT_NEAR(crossings[0].spans[id].from_m, 1.0 - reach_m, 1e-4) << id;
+    EXPECT_NEAR(crossings[0].spans[id].to_m, 1.0 + reach_m, 1e-4) << id;
+  }
+}
+
 TEST(Crossings, where_the_crossed_section_has_a_joint_are_still_one) {
   for (const double joint_x : {-0.15, -0.05, 0.0, 0.08, 0.15}) {
     const Section west = section({-1.0, 0.0, 0.0}, 1.0 + joint_x);

@@ -59,6 +59,20 @@ TEST(BeaconGrid, finds_the_nearest_up_to_half_a_pitch_beyond_its_edge) {
   EXPECT_FALSE(grid.nearest({1e300, 2.0}));
 }
 
+TEST(BeaconGrid, holds_its_edge_half_a_pitch_beyond_the_outermost_beacons) {
+  // From −1.25 to 0.75 m and from 1.75 to 3.25 m, ends included.
+  EXPECT_EQ(grid.nearest({-1.25, 1.75}).value().number, 100U);
+  EXPECT_EQ(grid.nearest({0.75, 1.75}).value().number, 103U);
+  EXPECT_EQ(grid.nearest({-1.25, 3.25}).value().number, 108U);
+  EXPECT_EQ(grid.nearest({0.75, 3.25}).value().number, 111U);
+  EXPECT_EQ(grid.nearest({-0.75, 2.25}).value().number, 105U) << "at the centre of four: the last one";
+  for (const Point2 beyond : {Point2{-1.26, 2.0}, {0.76, 2.0}, {0.0, 1.74}, {0.0, 3.26}})
+    EXPECT_FALSE(grid.nearest(beyond)) << beyond.x_m << ' ' << beyond.y_m;
+  EXPECT_FALSE((BeaconGrid{0.5, {}, 0, 3}.nearest({0.0, 0.0})));
+  EXPECT_FALSE((BeaconGrid{0.5, {}, 3, 0}.nearest({0.0, 0.0})));
+  EXPECT_TRUE((BeaconGrid{0.5, {}, 1, 1}.nearest({0.0, 0.0})));
+}
+
 // Tags and waypoints
 // ------------------------------------------------------------------------------------------------------
 

@@ -118,7 +118,8 @@ TEST(JsonFault, is_a_number_in_another_form_than_json_s) {
 }
 
 TEST(JsonFault, is_an_escape_unknown_to_json) {
-  for (const char* escape : {"\\x", "\\'", "\\0", "\\u", "\\u12", "\\u123", "\\u12g4", "\\U1234", "\\u123g"})
+  for (const char* escape :
+       {"\\x", "\\'", "\\0", "\\u", "\\u12", "\\u123", "\\u12g4", "\\U1234", "\\u123g", "\\ug1234"})
     EXPECT_EQ(at("[\"a" + std::string(escape) + "\"]"), "1:4 a backslash that begins no escape") << escape;
   EXPECT_EQ(at("\"\\"), "1:2 a backslash that begins no escape");
   EXPECT_EQ(at("\"\\u1234"), "1:1 a text in quotes that never ends");
@@ -142,14 +143,26 @@ TEST(JsonFault, is_a_text_that_is_not_utf_8) {
        {"\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80", "\xEF\xBF\xBD", "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF"})
     EXPECT_EQ(at("\"" + std::string(good) + "\""), "none") << good;
   for (const char* bad :
-       {"\x80", "\xBF", "\xC0\x80", "\xC1\xBF", "\xF5\x80\x80\x80", "\xFF", "\xC2", "\xC2z", "\xC2\xC0", "\xE0\xA0",
-        "\xE0\xA0z", "\xE0z\x80", "\xF0\x90\x80", "\xF0\x90\x80z", "\xF0\x90z\x80"})
+       {"\x80", "\x80\x80", "\xBF", "\xC0\x80", "\xC1\xBF", "\xF5\x80\x80\x80", "\xFF", "\xC2", "\xC2z", "\xC2\xC0",
+        "\xE0\xA0", "\xE0\xA0z", "\xE0z\x80", "\xF0\x90\x80", "\xF0\x90\x80z", "\xF0\x90z\x80"})
     EXPECT_EQ(at("\"" + std::string(bad) + "\""), "1:2 bytes that are not UTF-8; save the file as UTF-8") << bad;
   // Cut off within a character, at the end of the text.
   EXPECT_EQ(at("\"\xC2"), "1:2 bytes that are not UTF-8; save the file as UTF-8");
   EXPECT_EQ(at("\"\xF0\x90\x80"), "1:2 bytes that are not UTF-8; save the file as UTF-8");
   // A column counts bytes.
   EXPECT_EQ(at("[\"\xC3\xA4\", x]"), "1:8 expected a value, found 'x'");
+}
+
+TEST(JsonFault, is_a_character_that_goes_on_only_beyond_the_end_of_the_text) {
+  const std::string utf8 = "bytes that are not UTF-8; save the file as UTF-8";
+  EXPECT_EQ(at(std::string_view{"\"\xC3\xA4\""}.substr(0, 2)), "1:2 " + utf8);
+  EXPECT_EQ(at(std::string_view{"\"\xE0\xA0\x80\""}.substr(0, 3)), "1:2 " + utf8);
+  EXPECT_EQ(at(std::string_view{"\"\xC3\xA4\""}.substr(0, 3)), "1:1 a text in quotes that never ends");
+}
+
+TEST(JsonFault, is_no_number_that_is_too_small) {
+  EXPECT_EQ(at("[1e-999]"), "none");
+  EXPECT_EQ(at("[-1E-400, x]"), "1:11 expected a value, found 'x'");
 }
 
 }  // namespace

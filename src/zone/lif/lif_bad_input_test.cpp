@@ -62,6 +62,12 @@ TEST(LifErrors, about_too_large_files_come_before_they_are_read) {
   EXPECT_EQ(code_of("[" + std::string(13'000'000, ',') + "]"), "zone.size");
 }
 
+TEST(LifErrors, come_for_more_than_twelve_million_values_and_no_fewer) {
+  // The bracket counts as one.
+  EXPECT_EQ(code_of("[" + std::string(12'000'000, ',') + "]"), "zone.size");
+  EXPECT_EQ(code_of("[" + std::string(11'999'999, ',') + "]"), "zone.syntax");
+}
+
 TEST(LifErrors, name_the_location_of_duplicate_ids) {
   EXPECT_EQ(error_of(Plan{{"A 0 0", "B 2 0", "A 3 0"}, {"A B"}}.text()),
             "plant.lif.json: layouts[0].nodes[2].nodeId: two nodes have the id 'A'");
@@ -166,6 +172,17 @@ TEST(LifMendings, numbers_as_texts_and_texts_as_numbers_are_accepted) {
   const TrafficZone zone = zone_of(text);
   EXPECT_NEAR(zone.circuit.total_length_m(), 5.0, 1e-12);
   EXPECT_EQ(diagnostic_at(zone, "layouts[0].nodes[1].nodePosition.x")->kind, Diagnostic::Kind::mended);
+}
+
+TEST(LifMendings, a_project_s_name_is_cut_to_64_bytes_between_two_characters) {
+  const auto name = [](const std::string& project) { return zone_of(replaced(two.text(), "plan", project)).name; };
+  EXPECT_EQ(name(std::string(64, 'a')), std::string(64, 'a'));
+  EXPECT_EQ(name(std::string(65, 'a')), std::string(64, 'a'));
+  EXPECT_EQ(name(std::string(62, 'a') + "ä"), std::string(62, 'a') + "ä");
+  EXPECT_EQ(name(std::string(63, 'a') + "ä"), std::string(63, 'a'));
+  EXPECT_EQ(name(std::string(62, 'a') + "€"), std::string(62, 'a'));
+  EXPECT_EQ(name(""), "lif");
+  EXPECT_EQ(name("  "), "lif");
 }
 
 TEST(LifMendings, ids_may_be_numbers) {

@@ -443,6 +443,180 @@ TEST(LifDocument, takes_the_vehicle_type_with_most_edges_that_it_may_use) {
   EXPECT_EQ(read_json(text, {"U", {}, 1.0}).error(), "layouts: [import] vehicle_type is 'U', but this file has: S, T");
 }
 
+/// Nodes a metre apart, each open to the types that its letters name, none for all: {"A", "S"}, {"B", ""} …
+std::string nodes_open_to(const std::vector<std::pair<std::string, std::string>>& ids_and_types) {
+  std::string text;
+  std::size_t x = 0;
+  for (const auto& [id, types] : ids_and_types) {
+    std::string list;
+    for (const char type : types)
+      list += (list.empty() ? "{'vehicleTypeId':'" : ",{'vehicleTypeId':'") + std::string(1, type) + "'}";
+    text += (text.empty() ? "{'nodeId':'" : ",{'nodeId':'") + id + "','nodePosition':{'x':" + std::to_string(x++) +
+            ",'y':0}" + (list.empty() ? "" : ",'vehicleTypeNodeProperties':[" + list + "]") + "}";
+  }
+  return text;
+}
+/// The ids of the edges taken, of "AB", "CD" … from A to B, from C to D …, which name no vehicle type.
+std::vector<std::string> edges_taken(const std::string& nodes, const std::vector<std::string>& edges) {
+  std::string text;
+  for (const std::string& edge : edges)
+    text += (text.empty() ? "{'edgeId':'" : ",{'edgeId':'") + edge + "','startNodeId':'" + edge.substr(0, 1) +
+            "','endNodeId':'" + edge.substr(1) + "'}";
+  const Read read = read_json(whole(layout_of(nodes, text)));
+  EXPECT_TRUE(read.document) << read.error();
+  std::vector<std::string> ids;
+  for (const Edge& edge : read.document->edges) ids.push_back(edge.id);
+  return ids;
+}
+
+TEST(LifDocument, edges_that_name_no_vehicle_type_count_for_those_of_the_node_they_start_or_end_at) {
+  // One edge for S, two for T.
+  EXPECT_THAT(edges_taken(nodes_open_to({{"A", "S"}, {"B", ""}, {"C", "T"}, {"D", ""}}), {"AB", "CD", "CB"}),
+              ElementsAre("CD", "CB"));
+  EXPECT_THAT(edges_taken(nodes_open_to({{"A", ""}, {"B", "S"}, {"C", ""}, {"D", "T"}, {"E", ""}}), {"AB", "CD", "ED"}),
+              ElementsAre("CD", "ED"));
+  // As many for each: the first of the file.
+  EXPECT_THAT(edges_taken(nodes_open_to({{"A", "S"}, {"B", ""}, {"C", "T"}, {"D", ""}}), {"CD", "AB"}),
+              ElementsAre("AB"));
+}
+
+TEST(LifDocument, without_edges_closes_and_opens_nothing) {
+  const Read read = read_json(whole(layout_of(node_a, "")));
+  ASSERT_TRUE(read.document) << read.error();
+  EXPECT_THAT(read.diagnostics, IsEmpty());
+}
+
+TEST(LifDocument, names_no_more_than_two_hundred_bytes_of_what_a_selection_could_have_been) {
+  const auto layout = [](char id) {
+    return "{'layoutId':'" + std::string(99, id) + "','nodes':[],'edges':[],'stations':[]}";
+  };
+  const std::string first_two = std::string(99, 'a') + ", " + std::string(99, 'b');
+  EXPECT_EQ(read_json(whole(layout('a') + "," + layout('b') + "," + layout('c')), {{}, "x", 1.0}).error(),
+            "layouts: [import] layout is 'x', but this file has: " + first_two);
+  std::string types;
+  for (const char type : {'a', 'b', 'c'})
+    types += (types.empty() ? "{'vehicleTypeId':'" : ",{'vehicleTypeId':'") + std::string(99, type) + "'}";
+  const std::string node = "{'nodeId':'A','nodePosition':{'x':0,'y':0},'vehicleTypeNodeProperties':[" + types + "]}";
+  EXPECT_EQ(read_json(whole(layout_of(node, "")), {"x", {}, 1.0}).error(),
+            "layouts: [import] vehicle_type is 'x', but this file has: " + first_two);
+}
+
+TEST(LifDocument, nodes_are_a_million_kilometres_away_in_metres_whatever_the_file_s_unit) {
+  const auto nodes = [](const std::string& x, const std::string& y) {
+    const std::string node = "{'nodeId':'C','nodePosition':{'x':" + x + ",'y':" + y + "}}";
+    return read_json(whole(layout_of(node_a + "," + node_b + "," + node, edge_with(""))), {{}, {}, 0.5})
+        .document->nodes.size();
+  };
+  EXPECT_EQ(nodes("1.9e9", "-1.9e9"), 3U);
+  EXPECT_EQ(nodes("2.1e9", "0"), 2U);
+  EXPECT_EQ(nodes("0", "-2.1e9"), 2U);
+}
+
+TEST(LifDocument, edge_properties_of_one_vehicle_type_are_taken_once) {
+  const Read read = read_json(whole(
+      layout_of(node_a + "," + node_b,
+                "{'edgeId':'A-B','startNodeId':'A','endNodeId':'B','vehicleTypeEdgeProperties':[{'vehicleTypeId':'T',"
+                "'rotationAllowed':false,'maxSpeed':1},{'vehicleTypeId':'T','maxSpeed':2},{'vehicleTypeId':'T','"
+                "maxSpeed':3}]}")));
+  EXPECT_EQ(read.document->edges[0].speed_mps_max, 1.0);
+  ASSERT_THAT(read.diagnostics, SizeIs(1));
+  EXPECT_EQ(read.at("layouts[0].edges[0].vehicleTypeEdgeProperties[1]"),
+            "lost the vehicle type's properties a second time; not taken (2 times, also at "
+            "layouts[0].edges[0].vehicleTypeEdgeProperties[2])");
+}
+
+TEST(LifDocument, angles_beyond_a_full_turn_are_taken_for_degrees) {
+  const std::string degrees = "mended an angle beyond ±2π must be meant in degrees";
+  const std::string forwards = "lost another orientation than along the path is not supported: vehicles drive forwards";
+  const std::string heading = "lost 'theta' is not taken: a stopped vehicle has the heading of its path";
+  for (const auto& [angle, is_beyond] : {std::pair{"1", false},
+                                         {"-1", false},
+                                         {"6.2831853", false},
+                                         {"-6.2831853", false},
+                                         {"6.29", true},
+                                         {"-6.29", true}}) {
+    EXPECT_EQ(
+        with_properties(std::string("'vehicleOrientation':") + angle).at(properties_location + ".vehicleOrientation"),
+        is_beyond ? degrees : forwards)
+        << angle;
+    EXPECT_EQ(with_node("{'nodeId':'C','nodePosition':{'x':1,'y':1},'vehicleTypeNodeProperties':[{'vehicleTypeId':'T',"
+                        "'theta':" +
+                        std::string(angle) + "}]}")
+                  .at("layouts[0].nodes[2].vehicleTypeNodeProperties[0].theta"),
+              is_beyond ? degrees : heading)
+        << angle;
+  }
+}
+
+TEST(LifDocument, nodes_offer_charging_and_no_other_action) {
+  const std::string at = "layouts[0].nodes[2].vehicleTypeNodeProperties[0].actions";
+  const std::string others = "lost 'actions' is not taken: vehicles do nothing at nodes but stop, turn and charge";
+  struct Row {
+    std::string actions;
+    bool charges;
+    std::string diagnostic;
+  };
+  for (const Row& row :
+       {Row{"", false, ""}, Row{"{'actionType':'startCharging'}", true, ""},
+        Row{"{'actionType':'stopCharging'}", false, ""},
+        Row{"{'actionType':'stopCharging'},{'actionType':'startCharging'}", true, ""},
+        Row{"{'actionType':'pick'}", false, others},
+        Row{"{'actionType':'pick'},{'actionType':'startCharging'}", true, others}, Row{"{}", false, others}}) {
+    const Read read = with_node(
+        "{'nodeId':'C','nodePosition':{'x':1,'y':1},'vehicleTypeNodeProperties':[{'vehicleTypeId':'T','actions':[" +
+        row.actions + "]}]}");
+    EXPECT_EQ(read.document->nodes[2].charges, row.charges) << row.actions;
+    EXPECT_EQ(read.at(at), row.diagnostic) << row.actions;
+  }
+}
+
+TEST(LifDocument, a_permission_to_turn_that_is_no_flag_counts_as_none) {
+  const Read read = read_json(whole(
+      layout_of(node_a + "," + node_b,
+                "{'edgeId':'A-B','startNodeId':'A','endNodeId':'B','vehicleTypeEdgeProperties':[{'vehicleTypeId':'T',"
+                "'rotationAllowed':'maybe'}]}")));
+  ASSERT_THAT(read.diagnostics, SizeIs(1));
+  EXPECT_EQ(read.at(properties_location + ".rotationAllowed"), "mended neither true nor false; taken as absent");
+}
+
+TEST(LifDocument, names_of_unknown_fields_are_cut_to_64_bytes) {
+  const std::string cut(64, 'k');
+  EXPECT_EQ(with_properties("'" + cut + "kk':1").at(properties_location + "." + cut),
+            "lost '" + cut + "' is no field of LIF 1.0; not taken");
+}
+
+TEST(LifDocument, moves_the_origin_to_the_centre_where_one_node_is_far_away) {
+  const auto moved = [](Point2 a, Point2 b) {
+    const auto node = [](const char* id, Point2 at) {
+      return "{'nodeId':'" + std::string(id) + "','nodePosition':{'x':" + std::to_string(at.x_m) +
+             ",'y':" + std::to_string(at.y_m) + "}}";
+    };
+    const Read read = read_json(whole(layout_of(node("A", a) + "," + node("B", b), edge_with(""))));
+    return std::pair{read.document->nodes[0].at, read.document->nodes[1].at};
+  };
+  using Two = std::pair<Point2, Point2>;
+  EXPECT_EQ(moved({0.0, 0.0}, {150000.0, 0.0}), (Two{{-75000.0, 0.0}, {75000.0, 0.0}}));
+  EXPECT_EQ(moved({150000.0, 8.0}, {0.0, 0.0}), (Two{{75000.0, 8.0}, {-75000.0, 0.0}}));
+  EXPECT_EQ(moved({0.0, 0.0}, {-150000.0, 0.0}), (Two{{75000.0, 0.0}, {-75000.0, 0.0}}));
+  EXPECT_EQ(moved({0.0, 0.0}, {0.0, 150000.0}), (Two{{0.0, -75000.0}, {0.0, 75000.0}}));
+  EXPECT_EQ(moved({0.0, -150000.0}, {8.0, 0.0}), (Two{{0.0, -75000.0}, {8.0, 75000.0}}));
+  EXPECT_EQ(moved({0.0, 0.0}, {90000.0, -90000.0}), (Two{{0.0, 0.0}, {90000.0, -90000.0}}));
+}
+
+TEST(LifDocument, moves_trajectories_with_the_origin) {
+  const std::string nodes =
+      "{'nodeId':'A','nodePosition':{'x':3500000,'y':-200000}},{'nodeId':'B','nodePosition':{'x':3500004,'y':-200000}}";
+  const Read read = read_json(whole(layout_of(
+      nodes,
+      edge_with(",'trajectory':{'degree':2,'knotVector':[0,0,0,1,1,1],'controlPoints':[{'x':3500000,'y':-200000},"
+                "{'x':3500002,'y':-199999},{'x':3500004,'y':-200000}]}"))));
+  ASSERT_TRUE(read.document->edges[0].trajectory);
+  EXPECT_THAT(read.document->edges[0].trajectory->points,
+              ElementsAre(Point2{0.0, 0.0}, Point2{2.0, 1.0}, Point2{4.0, 0.0}));
+  EXPECT_EQ(read.at("layouts"),
+            "mended coordinates beyond 100 km: the zone's origin is the file's (3500000 m, -200000 m)");
+}
+
 TEST(LifDocument, moves_an_origin_beyond_a_hundred_kilometres) {
   const auto at = [](const std::string& x, const std::string& y) {
     return read_json(whole(layout_of("{'nodeId':'A','nodePosition':{'x':" + x + ",'y':" + y +

@@ -272,6 +272,136 @@ next = []
               Contains(Field(&Diagnostic::text, HasSubstr("is followed by b, which LIF can only express as b, c"))));
 }
 
+/// "id end", by edge: its id, and whether vehicles may turn at its end node.
+std::vector<std::string> edges_and_turns(const ZoneConfiguration& file) {
+  const auto json = JsonValue::parse(file.text);
+  EXPECT_TRUE(json);
+  std::vector<std::string> all;
+  for (const JsonValue& edge : *json->find("layouts")->array()->front().find("edges")->array()) {
+    const JsonValue& properties = edge.find("vehicleTypeEdgeProperties")->array()->front();
+    all.push_back(*edge.text("edgeId") + " " + *properties.text("rotationAtEndNodeAllowed"));
+  }
+  return all;
+}
+
+/// One section "a" of 1 m.
+TrafficZone metre() {
+  return native(
+      "name = \"metre\"\nformat_version = 1\n[[section]]\nname = \"a\"\nkind = \"straight\"\nlength_m = 1.0\n");
+}
+
+/// The zone with these sections, and nothing else.
+TrafficZone bare_zone(std::vector<Circuit::Part> parts) {
+  TrafficZone zone = metre();
+  zone.waypoints.clear();
+  zone.circuit = *Circuit::make("metre", std::move(parts));
+  return zone;
+}
+
+TEST(LifWriter, puts_stations_within_a_millimetre_on_one_node) {
+  const auto edges = [](const std::vector<double>& stations_m) {
+    TrafficZone zone = metre();
+    for (const double s_m : stations_m) zone.stations.push_back({"s" + std::to_string(zone.stations.size()), {0, s_m}});
+    return edges_and_turns(written(zone)).size();
+  };
+  EXPECT_EQ(edges({}), 1U);
+  EXPECT_EQ(edges({0.0, 0.0009, 0.9991, 1.0}), 1U);
+  EXPECT_EQ(edges({0.0015}), 2U);
+  EXPECT_EQ(edges({0.9985}), 2U);
+  EXPECT_EQ(edges({0.5, 0.5009, 0.4991}), 2U);
+  EXPECT_EQ(edges({0.5, 0.5015}), 3U);
+  EXPECT_EQ(edges({0.5, 0.4985}), 3U);
+}
+
+TEST(LifWriter, names_the_nodes_of_stations_by_their_millimetre) {
+  TrafficZone zone = metre();
+  zone.stations = {{"low", {0, 0.2504}}, {"high", {0, 0.7506}}};
+  const std::string text = written(zone).text;
+  EXPECT_THAT(text, HasSubstr("\"nodeId\": \"a@250\""));
+  EXPECT_THAT(text, HasSubstr("\"nodeId\": \"a@751\""));
+}
+
+TEST(LifWriter, names_the_ends_of_sections_by_the_waypoints_within_a_millimetre_or_by_their_millimetre) {
+  TrafficZone zone = metre();
+  zone.waypoints = {{"start", {0, 0.0009}}, {"finish", {0, 0.9991}}};
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"start\""));
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"finish\""));
+  zone.waypoints = {{"start", {0, 0.0011}}, {"finish", {0, 0.9989}}};
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"a@0\""));
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"a@1000\""));
+  zone.waypoints = {{"twice", {0, 0.0}}, {"twice", {0, 1.0}}};
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"twice\""));
+  EXPECT_THAT(written(zone).text, HasSubstr("\"nodeId\": \"twice'\""));
+  for (const auto& [length_m, id] : {std::pair{1.2344, "a@1234"}, {1.2346, "a@1235"}}) {
+    const TrafficZone bare = bare_zone({Circuit::Part{"a", *Section::make({}, length_m), std::nullopt, {}, false}});
+    EXPECT_THAT(written(bare).text, HasSubstr(std::string("\"nodeId\": \"") + id + "\""));
+  }
+}
+
+TEST(LifWriter, limits_the_speed_on_every_edge_of_a_section_that_was_cut) {
+  TrafficZone zone = bare_zone({Circuit::Part{"a", *Section::make({}, 1.0), 0.4, {}, false}});
+  zone.stations = {{"one", {0, 0.25}}, {"two", {0, 0.75}}};
+  const auto json = JsonValue::parse(written(zone).text);
+  ASSERT_TRUE(json);
+  const auto& edges = *json->find("layouts")->array()->front().find("edges")->array();
+  EXPECT_EQ(edges.size(), 3U);
+  for (const JsonValue& edge : edges) {
+    EXPECT_EQ(edge.text("edgeName"), "a");
+    EXPECT_EQ(edge.find("vehicleTypeEdgeProperties")->array()->front().number("maxSpeed"), 0.4);
+  }
+}
+
+TEST(LifWriter, lets_vehicles_turn_only_at_the_end_of_a_section_that_was_cut) {
+  Circuit::Part a{"a", *Section::make({}, 1.0), std::nullopt, {1}, true};
+  Circuit::Part b{"b", *Section::make({1.0, 0.0, 0.5 * pi}, 1.0), std::nullopt, {}, false};
+  TrafficZone zone = bare_zone({a, b});
+  EXPECT_THAT(edges_and_turns(written(zone)), ElementsAre("a BOTH", "b NONE"));
+  zone.stations = {{"halfway", {0, 0.5}}};
+  EXPECT_THAT(edges_and_turns(written(zone)), ElementsAre("a NONE", "a.2 BOTH", "b NONE"));
+}
+
+TEST(LifWriter, keeps_the_zone_s_order_where_the_successors_of_two_sections_contradict_one_another) {
+  const Section in = *Section::make({}, 1.0);
+  TrafficZone zone = bare_zone({{"in1", in, std::nullopt, {2, 3}, false},
+                                {"in2", in, std::nullopt, {3, 2}, false},
+                                {"c", *Section::make({1.0, 0.0, 0.0}, 1.0), std::nullopt, {}, false},
+                                {"d", *Section::make({1.0, 0.0, 0.0}, 1.0, 0.5), std::nullopt, {}, false}});
+  std::vector<Diagnostic> lost;
+  EXPECT_THAT(edges_and_turns(written(zone, &lost)), ElementsAre("in1 NONE", "in2 NONE", "c NONE", "d NONE"));
+  EXPECT_THAT(lost,
+              Contains(Field(&Diagnostic::text, HasSubstr("is followed by d, c, which LIF can only express as c, d"))));
+  // Without the contradiction "d" comes first.
+  std::vector<Circuit::Part> parts;
+  for (SectionId id = 0; id < 4; ++id) parts.push_back(zone.circuit.part(id));
+  parts[0].next = {3, 2};
+  EXPECT_THAT(edges_and_turns(written(bare_zone(parts))), ElementsAre("in1 NONE", "in2 NONE", "d NONE", "c NONE"));
+}
+
+TEST(LifWriter, names_everything_that_only_the_sidecar_can_express) {
+  TrafficZone zone = metre();
+  const auto first = [&] {
+    std::vector<Diagnostic> lost;
+    (void)written(zone, &lost);
+    EXPECT_GE(lost.size(), 2U);
+    EXPECT_EQ(lost.at(0).kind, Diagnostic::Kind::lost);
+    EXPECT_EQ(lost.at(0).location, "zone");
+    EXPECT_EQ(lost.at(1).kind, Diagnostic::Kind::notice);
+    EXPECT_EQ(lost.at(1).location, "metaInformation.exportTimestamp");
+    EXPECT_EQ(lost.at(1).text, "is the same in every file written here");
+    return lost.at(0).text;
+  };
+  EXPECT_EQ(first(), "LIF cannot express the vehicle's measures and profiles; the sidecar file can");
+  zone.tags.push_back({1, {0, 0.5}});
+  zone.beacons = BeaconGrid{0.5, {}, 3, 2};
+  zone.loops = {Loop{"round", {0}}};
+  zone.priorities = {{"a/b", 3}};
+  zone.starts = {{0, 0.5}};
+  zone.closed = {0};
+  EXPECT_EQ(first(),
+            "LIF cannot express tags, beacons, loops, priorities, starts, closed sections, the vehicle's measures and "
+            "profiles; the sidecar file can");
+}
+
 TEST(LifRoundTrip, keeps_any_chain_of_sections_within_a_millimetre) {
   EXPECT_TRUE(rc::check([] {
     const auto shapes = *rc::gen::resize(

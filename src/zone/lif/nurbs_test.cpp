@@ -190,5 +190,58 @@ TEST(NurbsOf, a_clothoid_is_within_a_tenth_of_a_millimetre_and_reads_back_as_its
   }));
 }
 
+TEST(Nurbs, may_have_a_corner_only_where_an_inner_knot_occurs_as_often_as_its_degree) {
+  const auto inner = [](std::size_t degree, std::vector<double> knots) {
+    const std::size_t count = knots.size() - degree - 1;
+    return Nurbs{degree, std::move(knots), std::vector<Point2>(count), std::vector<double>(count, 1.0)}.inner_knots();
+  };
+  const auto twice = inner(2, {0, 0, 0, 0.5, 0.5, 1, 1, 1});
+  ASSERT_EQ(twice.size(), 1U);
+  EXPECT_EQ(twice[0].u, 0.5);
+  EXPECT_TRUE(twice[0].corner);
+  EXPECT_FALSE(inner(3, {0, 0, 0, 0, 0.5, 0.5, 1, 1, 1, 1}).at(0).corner);
+  EXPECT_TRUE(inner(3, {0, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1, 1}).at(0).corner);
+  const auto mixed = inner(2, {0, 0, 0, 0.25, 0.5, 0.5, 0.75, 1, 1, 1});
+  ASSERT_EQ(mixed.size(), 3U);
+  EXPECT_FALSE(mixed[0].corner);
+  EXPECT_TRUE(mixed[1].corner);
+  EXPECT_EQ(mixed[2].u, 0.75);
+  EXPECT_FALSE(mixed[2].corner);
+  // Those before its begin and after its end do not count.
+  const auto open = inner(2, {0, 1, 2, 3, 4, 5, 6});
+  ASSERT_EQ(open.size(), 1U);
+  EXPECT_EQ(open[0].u, 3.0);
+  EXPECT_TRUE(inner(2, {0, 0, 0, 1, 1, 1}).empty());
+}
+
+TEST(Nurbs, has_a_degree_of_at_most_25) {
+  const auto line = [](std::size_t degree) {
+    Nurbs curve{degree, clamped_uniform_knots(degree + 1, degree), {}, std::vector<double>(degree + 1, 1.0)};
+    for (std::size_t i = 0; i <= degree; ++i) curve.points.push_back({static_cast<double>(i), 2.0});
+    return curve;
+  };
+  // A Bézier curve whose points are evenly spaced runs along them at constant speed.
+  const Pose2 pose = line(25).pose_at(0.5);
+  EXPECT_NEAR(pose.x_m, 12.5, 1e-9);
+  EXPECT_NEAR(pose.y_m, 2.0, 1e-9);
+  EXPECT_NEAR(pose.heading_rad, 0.0, 1e-9);
+  constexpr const char* holds_together = "degree >= 1 && degree <= nurbs_degree_max && points.size.. > degree";
+  EXPECT_DEATH(static_cast<void>(line(26).pose_at(0.5)), holds_together);
+  Nurbs heavy = line(2);
+  heavy.weights.push_back(1.0);
+  EXPECT_DEATH(static_cast<void>(heavy.pose_at(0.5)), holds_together);
+  Nurbs long_one = line(2);
+  long_one.knots.push_back(1.0);
+  EXPECT_DEATH(static_cast<void>(long_one.pose_at(0.5)), holds_together);
+}
+
+TEST(Nurbs, has_evenly_spaced_knots_only_for_more_points_than_its_degree) {
+  EXPECT_EQ(clamped_uniform_knots(2, 1), (std::vector<double>{0, 0, 1, 1}));
+  EXPECT_EQ(clamped_uniform_knots(3, 1), (std::vector<double>{0, 0, 0.5, 1, 1}));
+  EXPECT_EQ(clamped_uniform_knots(6, 2), (std::vector<double>{0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1}));
+  EXPECT_DEATH(static_cast<void>(clamped_uniform_knots(2, 2)), "degree >= 1 && points > degree");
+  EXPECT_DEATH(static_cast<void>(clamped_uniform_knots(2, 0)), "degree >= 1 && points > degree");
+}
+
 }  // namespace
 }  // namespace cosiva::zone::lif

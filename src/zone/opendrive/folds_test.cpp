@@ -122,5 +122,68 @@ TEST(BridgeFolds, lead_over_the_bend_from_straight_to_straight) {
   EXPECT_THAT(bridge_folds(line, lateral, 0.0, 40.0 + quarter_m, none), IsEmpty());
 }
 
+/// Straight on for 20 m, a quarter to the right round 1 m, straight on for 20 m.
+ReferenceLine line_round_a_corner() {
+  const double quarter_m = 0.5 * pi;
+  return line_along({{0.0, {}, 20.0, Clothoid{}, ""},
+                     {20.0, {20.0, 0.0, 0.0}, quarter_m, Clothoid{-1.0, -1.0}, ""},
+                     {20.0 + quarter_m, {21.0, -1.0, -0.5 * pi}, 20.0, Clothoid{}, ""}},
+                    40.0 + quarter_m);
+}
+
+// The lane folds along the bend. A bridge that reaches r beyond it to each side is nearly an arc of radius r + 1 less
+// the lane's offset; r begins with a quarter of a metre and grows by a quarter, until the radius is as large as the
+// offset, or 2 m.
+TEST(BridgeFolds, reach_as_far_as_a_gentle_bend_needs) {
+  const double quarter_m = 0.5 * pi;
+  const ReferenceLine line = line_round_a_corner();
+  const auto bridge_at = [&](double offset_m) {
+    std::size_t work = 100'000;
+    const auto bridges =
+        bridge_folds(line, *Lateral::make({{0.0, -offset_m}}, 40.0 + quarter_m), 0.0, 40.0 + quarter_m, work);
+    EXPECT_THAT(bridges, SizeIs(1));
+    // Every 25 cm from 0 to 41.5 m, at the end, and on both sides of both ends of the bend.
+    EXPECT_EQ(work, 100'000U - 172U);
+    return bridges.front();
+  };
+  // 1.36 m with the ninth reach, 1.83 m with the tenth.
+  const Bridge near = bridge_at(1.5);
+  const double near_m = 0.25 * std::pow(1.25, 10);
+  EXPECT_NEAR(near.from, 20.0 - near_m, 1e-6);
+  EXPECT_NEAR(near.to, 20.0 + quarter_m + near_m, 1e-6);
+  // The handles of a cubic that is nearly an arc: the chord over cos²(a quarter of the turn).
+  const double handle_m = std::sqrt(2.0) * (near_m - 0.5) / std::pow(std::cos(pi / 8.0), 2);
+  EXPECT_NEAR(near.start_d.x_m, handle_m, 1e-6);
+  EXPECT_NEAR(near.end_d.y_m, -handle_m, 1e-6);
+  // 1.64 m with the twelfth reach, 2.55 m with the thirteenth; 3 m are not needed.
+  const Bridge far = bridge_at(3.0);
+  EXPECT_NEAR(far.from, 20.0 - 0.25 * std::pow(1.25, 13), 1e-6);
+  EXPECT_NEAR(far.to, 20.0 + quarter_m + 0.25 * std::pow(1.25, 13), 1e-6);
+}
+
+TEST(BridgeFolds, are_searched_at_four_thousand_positions_of_a_long_lane) {
+  const ReferenceLine line = line_along({{0.0, {}, 2000.0, Clothoid{}, ""}}, 2000.0);
+  std::size_t work = 10'000;
+  EXPECT_THAT(bridge_folds(line, *Lateral::make({{0.0, 3.0}}, 2000.0), 0.0, 2000.0, work), IsEmpty());
+  EXPECT_EQ(work, 10'000U - 4'001U);
+  EXPECT_THAT(bridge_folds(line, *Lateral::make({{0.0, 3.0}}, 2000.0), 0.0, 2000.0, work), IsEmpty());
+  EXPECT_THAT(bridge_folds(line, *Lateral::make({{0.0, 3.0}}, 2000.0), 0.0, 2000.0, work), IsEmpty());
+  EXPECT_EQ(work, 0U) << "never less than nothing";
+}
+
+// Where the road begins to bend, a lane that leads across it kinks: at a slope of b and an offset of t on a bend of
+// curvature 1/R its direction turns from atan b to atan(b/(1 − t/R)).
+TEST(BridgeFolds, lead_over_a_kink_of_more_than_a_tenth_of_a_radian) {
+  const auto bridges = [](double offset_m, double slope) {
+    const ReferenceLine line =
+        line_along({{0.0, {}, 20.0, Clothoid{}, ""}, {20.0, {20.0, 0.0, 0.0}, 15.0, Clothoid{0.1, 0.1}, ""}}, 35.0);
+    std::size_t work = 10'000;
+    return bridge_folds(line, *Lateral::make({{0.0, offset_m - 20.0 * slope, slope}}, 35.0), 0.0, 35.0, work).size();
+  };
+  // From 0.0997 rad to 0.1974 rad, and to 0.2054 rad.
+  EXPECT_EQ(bridges(5.0, 0.1), 0U);
+  EXPECT_EQ(bridges(5.2, 0.1), 1U);
+}
+
 }  // namespace
 }  // namespace cosiva::zone::opendrive

@@ -154,5 +154,29 @@ TEST(Lateral, drops_a_piece_too_short_for_its_jump) {
   EXPECT_NEAR(first->at(1.1).t, 1.7, 1e-12);
 }
 
+// A piece has room for a jump that is 20 times as long as it jumps, or a metre. The first break is where a jump is
+// left.
+TEST(Lateral, needs_twenty_times_the_jump_or_a_metre_of_room) {
+  const auto first_break = [](double jump_m, double length_m) {
+    const auto lateral = Lateral::make({{0.0, 1.0}, {20.0, 1.0 + jump_m}, {20.0 + length_m, 1.0 + jump_m}}, 40.0);
+    EXPECT_TRUE(lateral);
+    return lateral->breaks().front();
+  };
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_DOUBLE_EQ(first_break(side * 0.02, 0.39), 20.39) << "dropped, and the piece before it goes on";
+    EXPECT_EQ(first_break(side * 0.02, 0.41), 20.0);
+    EXPECT_DOUBLE_EQ(first_break(side * 0.1, 0.99), 20.99);
+    EXPECT_EQ(first_break(side * 0.1, 1.01), 20.0);
+  }
+}
+
+TEST(Lateral, is_none_where_there_is_less_room_than_twice_the_jump) {
+  // 1.5 m need 3 m on either side.
+  EXPECT_TRUE(Lateral::make({{0.0, 0.0}, {3.1, 1.5}}, 100.0));
+  EXPECT_FALSE(Lateral::make({{0.0, 0.0}, {2.9, 1.5}}, 100.0));
+  EXPECT_TRUE(Lateral::make({{0.0, 0.0}, {96.9, -1.5}}, 100.0));
+  EXPECT_FALSE(Lateral::make({{0.0, 0.0}, {97.1, -1.5}}, 100.0));
+}
+
 }  // namespace
 }  // namespace cosiva::zone::opendrive

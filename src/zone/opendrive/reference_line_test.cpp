@@ -4,6 +4,10 @@
 
 #include <cmath>
 #include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/zone/opendrive/easing.h"
 
@@ -268,6 +272,166 @@ TEST(ReferenceLine, removes_tiny_records) {
                                      report);
   EXPECT_NEAR(line.at(line.length()).p.x_m, 30.0, 1e-8);
   EXPECT_TRUE(report.diagnostics().empty());
+}
+
+/// "mended|location|text"
+std::vector<std::string> texts_of(const Report& report) {
+  std::vector<std::string> all;
+  for (const Diagnostic& diagnostic : report.diagnostics())
+    all.push_back(std::string(to_string(diagnostic.kind)) + '|' + diagnostic.location + '|' + diagnostic.text);
+  return all;
+}
+
+/// A line that begins at s = 5 m with a straight record, and what is reported of it.
+struct Published {
+  double length_m;    ///< of the line
+  double end_x_m;     ///< where it ends
+  double centre_x_m;  ///< at the centre of its s
+  std::vector<std::string> texts;
+};
+Published published(double shape_m, double file_m) {
+  Report report;
+  const ReferenceLine line = line_of(road_of({{5.0, {}, shape_m, Clothoid{}, "here"}}, 5.0 + file_m), report);
+  return {line.length() - 5.0, line.at(line.length()).p.x_m, line.at(0.5 * (5.0 + line.length())).p.x_m,
+          texts_of(report)};
+}
+
+// A thousandth and a ten-thousandth of 20 m is rounding. A hundredth is stretched, as is a centimetre.
+TEST(ReferenceLine, is_stretched_to_a_length_in_the_file_that_is_a_hundredth_off) {
+  const auto expect_length = [](double shape_m, double file_m, double length_m, const std::string& text) {
+    const Published found = published(shape_m, file_m);
+    EXPECT_NEAR(found.length_m, length_m, 1e-9) << file_m;
+    EXPECT_NEAR(found.end_x_m, shape_m, 1e-9) << file_m;
+    EXPECT_NEAR(found.centre_x_m, 0.5 * shape_m, 1e-9) << file_m;
+    EXPECT_EQ(found.texts, text.empty() ? std::vector<std::string>{} : std::vector<std::string>{"mended|here|" + text});
+  };
+  const std::string stretched = "lanes are stretched along it accordingly";
+  const std::string own = "its own length is taken";
+  expect_length(20.0, 20.0, 20.0, "");
+  expect_length(20.0, 20.0029, 20.0029, "");
+  expect_length(20.0, 19.9971, 19.9971, "");
+  expect_length(20.0, 20.0031, 20.0031, "the file has 20.00 m for it, but it is 20.00 m long; " + stretched);
+  expect_length(20.0, 20.19, 20.19, "the file has 20.19 m for it, but it is 20.00 m long; " + stretched);
+  expect_length(20.0, 19.81, 19.81, "the file has 19.81 m for it, but it is 20.00 m long; " + stretched);
+  expect_length(20.0, 20.21, 20.0, "the file has 20.21 m for it, but it is 20.00 m long; " + own);
+  expect_length(20.0, 19.79, 20.0, "the file has 19.79 m for it, but it is 20.00 m long; " + own);
+  expect_length(0.5, 0.509, 0.509, "the file has 0.51 m for it, but it is 0.50 m long; " + stretched);
+  expect_length(0.5, 0.512, 0.5, "the file has 0.51 m for it, but it is 0.50 m long; " + own);
+}
+
+TEST(ReferenceLine, of_polynomials_that_lead_on_too_far_ends_at_its_length) {
+  const auto texts = [](double lead_m, std::optional<double> next_x_m, double& length_m) {
+    Report report;
+    std::vector<Geometry> plan{{0.0, {}, 20.0, Cubics{{0.0, 0.0, lead_m}, {}, Cubics::Range::normalized}, "cubic"}};
+    if (next_x_m) plan.push_back({20.0, {*next_x_m, 0.0, 0.0}, 20.0, Clothoid{}, "next"});
+    length_m = line_of(road_of(plan, next_x_m ? 40.0 : 20.0), report).length();
+    return texts_of(report);
+  };
+  double length_m = 0.0;
+  const std::vector<std::string> cut{
+      "mended|cubic|its polynomials lead on for 22.00 m; they are taken up to its length, 20.00 m"};
+  EXPECT_EQ(texts(22.0, std::nullopt, length_m), cut);
+  EXPECT_NEAR(length_m, 20.0, 1e-9);
+  EXPECT_EQ(texts(22.0, 20.0, length_m), cut) << "the next record begins there";
+  EXPECT_NEAR(length_m, 40.0, 1e-9);
+  // Up to a hundredth is stretched instead.
+  EXPECT_EQ(texts(20.15, std::nullopt, length_m),
+            (std::vector<std::string>{"mended|cubic|the file has 20.00 m for it, but it is 20.15 m long; lanes are "
+                                      "stretched along it accordingly"}));
+  EXPECT_NEAR(length_m, 20.0, 1e-9);
+  // The next record begins where the polynomials end: these are right, and the length in the file is not.
+  EXPECT_EQ(texts(22.0, 22.0, length_m),
+            (std::vector<std::string>{
+                "mended|cubic|the file has 20.00 m for it, but it is 22.00 m long; its own length is taken"}));
+  EXPECT_NEAR(length_m, 42.0, 1e-9);
+}
+
+/// Two straight records of 20 m, or a first one of another length; the second begins this far off.
+struct JoinedRecords {
+  double gap_m{};
+  double kink_rad{};
+  double first_m{20.0};
+
+  [[nodiscard]] std::optional<ReferenceLine> line(Report& report) const {
+    return ReferenceLine::make(road_of({{0.0, {}, first_m, Clothoid{}, "first"},
+                                        {first_m, {first_m, gap_m, kink_rad}, 20.0, Clothoid{}, "second"}},
+                                       first_m + 20.0),
+                               report);
+  }
+  [[nodiscard]] std::vector<std::string> texts() const {
+    Report report;
+    EXPECT_TRUE(line(report));
+    return texts_of(report);
+  }
+  [[nodiscard]] std::vector<double> breaks() const {
+    Report report;
+    const auto made = line(report);
+    EXPECT_TRUE(made);
+    return made->breaks();
+  }
+  /// What is left of the gap, and of the kink.
+  [[nodiscard]] Pose2 left() const {
+    Report report;
+    const auto made = line(report);
+    EXPECT_TRUE(made);
+    const Jet before = made->at(first_m - 1e-9);
+    const Jet after = made->at(first_m);
+    return {0.0, after.p.y_m - before.p.y_m, heading_of(after) - heading_of(before)};
+  }
+};
+
+TEST(ReferenceLine, leaves_gaps_of_five_micrometres_and_kinks_of_half_a_microradian) {
+  EXPECT_NEAR((JoinedRecords{.gap_m = 4e-6}.left().y_m), 4e-6, 1e-10);
+  EXPECT_NEAR((JoinedRecords{.gap_m = 6e-6}.left().y_m), 0.0, 1e-10);
+  EXPECT_NEAR((JoinedRecords{.gap_m = -6e-6}.left().y_m), 0.0, 1e-10);
+  EXPECT_NEAR((JoinedRecords{.kink_rad = 4e-7}.left().heading_rad), 4e-7, 1e-11);
+  EXPECT_NEAR((JoinedRecords{.kink_rad = 6e-7}.left().heading_rad), 0.0, 1e-11);
+  EXPECT_NEAR((JoinedRecords{.kink_rad = -6e-7}.left().heading_rad), 0.0, 1e-11);
+}
+
+TEST(ReferenceLine, reports_joints_from_a_tenth_of_a_millimetre_and_of_a_milliradian_on) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ((JoinedRecords{.gap_m = 0.9e-4}.texts()), Texts{});
+  EXPECT_EQ((JoinedRecords{.gap_m = 1.1e-4}.texts().size()), 1U);
+  EXPECT_EQ((JoinedRecords{.kink_rad = 0.9e-4}.texts()), Texts{});
+  EXPECT_EQ((JoinedRecords{.kink_rad = 1.1e-4}.texts().size()), 1U);
+  EXPECT_EQ((JoinedRecords{.kink_rad = -1.1e-4}.texts().size()), 1U);
+  EXPECT_EQ((JoinedRecords{.gap_m = 0.03}.texts()),
+            Texts{"mended|second|begins 30.00 mm and 0.000000 rad from where the record before it ends; smoothed over "
+                  "5.00 m to each side"});
+  // 160 m for each radian of half the kink.
+  EXPECT_EQ((JoinedRecords{.kink_rad = 0.06}.texts()),
+            Texts{"mended|second|begins 0.0000 mm and 0.060000 rad from where the record before it ends; smoothed over "
+                  "4.80 m to each side"});
+  Report report;
+  EXPECT_FALSE((JoinedRecords{.kink_rad = 1.7}.line(report)));
+  EXPECT_EQ(texts_of(report), Texts{"lost|second|begins 0.0000 mm and 1.700000 rad from where the record before it "
+                                    "ends, which is too much to round: the road is not taken"});
+}
+
+TEST(ReferenceLine, has_breaks_at_its_joints_and_where_their_corrections_end) {
+  using Breaks = std::vector<double>;
+  EXPECT_EQ((JoinedRecords{}.breaks()), Breaks{20.0});
+  EXPECT_EQ((JoinedRecords{.gap_m = 0.03}.breaks()), (Breaks{15.0, 20.0, 25.0}));
+  EXPECT_EQ((JoinedRecords{.gap_m = 0.03, .first_m = 3.0}.breaks()), (Breaks{0.0, 3.0, 8.0}));
+}
+
+TEST(ReferenceLine, takes_records_in_the_order_of_their_s_and_none_of_less_than_five_millimetres) {
+  Report report;
+  const ReferenceLine line = line_of(
+      road_of({{20.0, {20.0, 0.0, 0.0}, 20.0, Clothoid{}, "second"}, {0.0, {}, 20.0, Clothoid{}, "first"}}, 40.0),
+      report);
+  EXPECT_NEAR(line.at(30.0).p.x_m, 30.0, 1e-9);
+  EXPECT_NEAR(line.at(10.0).p.x_m, 10.0, 1e-9);
+  EXPECT_NEAR(line.at(-1.0).p.x_m, 0.0, 1e-9);
+  EXPECT_NEAR(line.at(41.0).p.x_m, 40.0, 1e-9);
+  EXPECT_EQ(texts_of(report), (std::vector<std::string>{"mended|road 1|its geometry records are not in the order of "
+                                                        "their s; they are taken in that order"}));
+  Report short_report;
+  EXPECT_TRUE(ReferenceLine::make(road_of({{0.0, {}, 5e-3, Clothoid{}, ""}}, 5e-3), short_report));
+  EXPECT_EQ(texts_of(short_report), std::vector<std::string>{});
+  EXPECT_FALSE(ReferenceLine::make(road_of({{0.0, {}, 4.9e-3, Clothoid{}, ""}}, 4.9e-3), short_report));
+  EXPECT_EQ(texts_of(short_report), std::vector<std::string>{"lost|road 1|has no plan view of any length"});
 }
 
 TEST(Easing, is_full_at_its_end_and_zero_with_slope_and_bend_at_the_other) {

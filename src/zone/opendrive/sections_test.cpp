@@ -118,5 +118,12 @@ TEST(LaySections, of_no_lanes_name_what_is_there_instead) {
                 "lane section");
 }
 
+TEST(LaySections, report_how_closely_they_follow) {
+  FoundTracks found = tracks_of(file(straight("1", 0.0, 0.0, 0.0, 20.0, "", lane(-1))));
+  EXPECT_EQ(laid(found).size(), 1U);
+  EXPECT_THAT(found.diagnostics(), ElementsAre("notice|lanes|their centre lines are followed by 1 sections, at worst "
+                                               "0.0000 mm and 0.000000 mrad off"));
+}
+
 }  // namespace
 }  // namespace cosiva::zone::opendrive

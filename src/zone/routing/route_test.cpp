@@ -171,6 +171,51 @@ TEST(Router, reports_all_closed_sections_of_the_quickest_route) {
       "of them");
 }
 
+TEST(Router, decides_equal_times_by_the_lower_section_even_where_it_is_reached_later) {
+  // 3 m over "long" (2), or 1 m over "short" (3) and 2 m over "onward" (1), which is reached when "long" is left
+  // already.
+  const TrafficZone zone =
+      zone_of({part("stem", section({}, 1.0), {2, 3}), part("onward", section({2.0, 0.0, 0.0}, 2.0), {4}),
+               part("long", section({1.0, 0.0, 0.0}, 3.0), {4}), part("short", section({1.0, 0.0, 0.0}, 1.0), {1}),
+               part("end", section({4.0, 0.0, 0.0}, 1.0))});
+  const auto route = Router{zone}.plan({0, 0.0}, {4, 0.5});
+  ASSERT_TRUE(route);
+  EXPECT_THAT(route->sections, ElementsAre(0, 3, 1, 4));
+  EXPECT_DOUBLE_EQ(route->time_s, 4.5 / 0.5);
+}
+
+TEST(Router, adds_the_turn_before_each_section_to_the_time_of_driving) {
+  const TrafficZone zone = zone_of(fork_and_merge());
+  const SectionId straight[] = {1};
+  const auto route = Router{zone}.plan({0, 0.5}, {4, 3.0}, straight);
+  ASSERT_TRUE(route);
+  EXPECT_THAT(route->sections, ElementsAre(0, 2, 3, 4));
+  const double length_m = 1.5 + 2.5 + 3.2015621187164243 + 3.0;
+  EXPECT_NEAR(route->length_m, length_m, 1e-12);
+  // From heading 0 to "out", from there to "in", and from there to π.
+  const double turned_rad = 0.9272952180016122 + (0.9272952180016122 + 0.6747409422235527) + (pi - 0.6747409422235527);
+  EXPECT_NEAR(route->time_s, length_m / 0.5 + turned_rad, 1e-12);
+}
+
+TEST(Router, stays_in_place_when_the_goal_is_exactly_a_micrometre_behind) {
+  const TrafficZone zone = zone_of(fork_and_merge());
+  EXPECT_THAT(Router{zone}.plan({1, 1e-6}, {1, 0.0})->sections, ElementsAre(1));
+}
+
+TEST(Router, of_sections_that_the_zone_does_not_have_is_an_error_of_the_program) {
+  const TrafficZone zone = zone_of(fork_and_merge());
+  const Router router{zone};
+  const SectionId unknown[] = {5};
+  EXPECT_DEATH(static_cast<void>(router.plan({0, 0.0}, {1, 0.0}, unknown)), "id < circuit.size");
+  EXPECT_DEATH(static_cast<void>(router.goes_on_for_ever(unknown)), "id < circuit.size");
+  constexpr const char* from_and_goal = "from.section < circuit.size.. && goal.section < circuit.size";
+  EXPECT_DEATH(static_cast<void>(router.plan({5, 0.0}, {1, 0.0})), from_and_goal);
+  EXPECT_DEATH(static_cast<void>(router.plan({1, 0.0}, {5, 0.0})), from_and_goal);
+  constexpr const char* from_and_loop = "from.section < circuit.size.. && !loop.sections.empty";
+  EXPECT_DEATH(static_cast<void>(router.plan({5, 0.0}, Loop{"inner", {0, 1, 4}})), from_and_loop);
+  EXPECT_DEATH(static_cast<void>(router.plan({1, 0.0}, Loop{"none", {}})), from_and_loop);
+}
+
 // Loops
 // ------------------------------------------------------------------------------------------------------
 

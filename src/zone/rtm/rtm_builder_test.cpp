@@ -48,5 +48,17 @@ TEST(RtmBuilder, takes_an_rtm_that_was_built_before) {
   EXPECT_EQ(Rtm::initialised_count(), before);
 }
 
+TEST(RtmBuilder, forgets_an_error_once_another_configuration_was_built) {
+  RtmBuilder builder;
+  const ZoneConfiguration bad{"toml", "bad.toml", "name = 7"};
+  const std::uint64_t before = Rtm::initialised_count();
+  EXPECT_FALSE(builder.build(bad));
+  EXPECT_FALSE(builder.build(bad));
+  EXPECT_EQ(Rtm::initialised_count() - before, 1U);
+  ASSERT_TRUE(builder.build(configuration_file("lacet4.toml")));
+  EXPECT_FALSE(builder.build(bad));
+  EXPECT_EQ(Rtm::initialised_count() - before, 3U);
+}
+
 }  // namespace
 }  // namespace cosiva::zone

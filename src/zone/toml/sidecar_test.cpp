@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -173,11 +177,127 @@ TEST(Sidecar, takes_edits_and_is_created_where_there_is_none) {
   EXPECT_EQ(moved->sidecar, "# ours\n[beacons]\npitch_m = 0.5\norigin = [0.25, 0.00]\ncover = \"zone\"\n");
 }
 
+TEST(Sidecar, has_an_import_within_its_limits_and_defaults_without_one) {
+  const auto none = read_sidecar(file(""));
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->scale, 1.0);
+  EXPECT_EQ(none->tolerance_m, 1e-3);
+  EXPECT_EQ(none->tolerance_rad, 1e-3);
+  const auto empty = read_sidecar(file("[import]\n"));
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(empty->scale, 1.0);
+  EXPECT_EQ(empty->tolerance_m, 1e-3);
+  EXPECT_EQ(empty->tolerance_rad, 1e-3);
+  EXPECT_FALSE(empty->layout || empty->vehicle_type || empty->lane_types);
+  const struct {
+    const char* key;
+    const char* low;
+    const char* below;
+    const char* high;
+    const char* above;
+    const char* expected;
+  } all[] = {{"scale", "1e-6", "0.9e-6", "1e6", "1.1e6", "metres per unit of the file, 0.000001 to 1000000"},
+             {"tolerance_m", "1e-6", "0.9e-6", "1", "1.1", "metres from 0.000001 to 1"},
+             {"tolerance_rad", "1e-6", "0.9e-6", "0.2", "0.21", "radians from 0.000001 to 0.2"}};
+  for (const auto& [key, low, below, high, above, expected] : all) {
+    const auto with = [key = key](const char* value) {
+      return read_sidecar(file("[import]\n" + std::string(key) + " = " + value + "\n"));
+    };
+    for (const char* good : {low, high}) EXPECT_TRUE(with(good)) << key << good;
+    for (const char* bad : {below, above}) {
+      const auto refused = with(bad);
+      ASSERT_FALSE(refused) << key << bad;
+      EXPECT_EQ(refused.error().code, "zone.field");
+      EXPECT_EQ(refused.error().location, "plants/area.zone.toml:2: import." + std::string(key));
+      EXPECT_THAT(refused.error().message, StartsWith("expected " + std::string(expected) + ", found "));
+    }
+  }
+  const auto types = read_sidecar(file("[import]\nlane_types = [\"driving\", \"rail\"]\n"));
+  ASSERT_TRUE(types);
+  ASSERT_TRUE(types->lane_types);
+  EXPECT_THAT(*types->lane_types, ElementsAre("driving", "rail"));
+}
+
+TEST(Sidecar, names_a_bend_as_tight_as_half_the_vehicle_s_width) {
+  // The bends of the track have a radius of 0.5 m.
+  const auto with_width = [](const char* width_m) {
+    const auto zone = read("[vehicle]\nlength_m = 0.2\nwidth_m = " + std::string(width_m) + "\n");
+    EXPECT_TRUE(zone) << to_string(zone.error());
+    return zone->diagnostics;
+  };
+  EXPECT_THAT(with_width("0.99"), SizeIs(0));
+  const auto found = with_width("1.0");
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_EQ(found[0].text,
+            "bends with a radius of 0.50 m, less than half the vehicle's 1.00 m of width: its inner side drives "
+            "backwards here");
+  EXPECT_EQ(found[1].location, "section 'west'");
+}
+
+TEST(Sidecar, names_twenty_tight_bends_and_counts_the_others) {
+  const auto diagnostics = [](int bends) {
+    std::vector<Circuit::Part> parts;
+    for (int i = 0; i < bends; ++i)
+      parts.push_back(testing::part("s" + std::to_string(i), testing::section({10.0 * i, 0.0, 0.0}, 0.5, 2.0)));
+    TrafficZone zone{"z", testing::circuit(std::move(parts)), {}, {}, {}, {}, {}, {}, {}, {}};
+    const ZoneConfiguration configuration = file("[vehicle]\nlength_m = 0.2\nwidth_m = 1.2\n");
+    EXPECT_TRUE(furnish(zone, configuration, *read_sidecar(configuration)));
+    return zone.diagnostics;
+  };
+  const auto twenty = diagnostics(20);
+  ASSERT_THAT(twenty, SizeIs(20));
+  EXPECT_EQ(twenty.back().location, "section 's19'");
+  const auto more = diagnostics(22);
+  ASSERT_THAT(more, SizeIs(21));
+  EXPECT_EQ(more.back().kind, Diagnostic::Kind::notice);
+  EXPECT_EQ(more.back().location, "sections");
+  EXPECT_EQ(more.back().text, "2 more bend as tightly as those above");
+}
+
+TEST(Sidecar, takes_precedence_over_the_format_s_own_rules_for_waypoints) {
+  const auto nodes_only = [](const std::string& sidecar) {
+    TrafficZone zone{"z", testing::track(), {}, {}, {}, {}, {}, {}, {}, {}};
+    WaypointRules rules;
+    rules.nodes_only = true;
+    EXPECT_TRUE(furnish(zone, file(sidecar), *read_sidecar(file(sidecar)), rules));
+    EXPECT_EQ(zone.waypoints.size() == 4U, zone.nodes_only);
+    return zone.nodes_only;
+  };
+  EXPECT_TRUE(nodes_only(""));
+  EXPECT_FALSE(nodes_only("[waypoints]\nnodes_only = false\n"));
+  EXPECT_TRUE(nodes_only("[waypoints]\nnodes_only = true\n"));
+  const auto edges = [](const std::string& sidecar, bool before) {
+    TrafficZone zone{"z", testing::track(), {}, {}, {}, {}, {}, {}, {}, {}};
+    zone.edges_are_sections = before;
+    EXPECT_TRUE(furnish(zone, file(sidecar), *read_sidecar(file(sidecar))));
+    return zone.edges_are_sections;
+  };
+  EXPECT_TRUE(edges("[waypoints]\nedges_are_sections = true\n", false));
+  EXPECT_FALSE(edges("", false));
+  EXPECT_TRUE(edges("", true)) << "the format's own";
+}
+
+TEST(Sidecar, loses_the_blank_line_behind_a_tag_on_its_first_line) {
+  const std::string second = "[[tag]]\nnumber = 2\nsection = \"south\"\ns_m = 1.5\n";
+  ZoneEdit edit;
+  edit.remove_tags = {1};
+  const auto edited =
+      TrackFactory{}.edited(file("[[tag]]\nnumber = 1\nsection = \"south\"\ns_m = 0.5\n\n" + second), edit);
+  ASSERT_TRUE(edited) << to_string(edited.error());
+  EXPECT_EQ(edited->sidecar, second);
+  const auto listed = TrackFactory{}.edited(file("tag = [ { number = 1, section = \"south\", s_m = 0.5 } ]\n"), edit);
+  ASSERT_FALSE(listed);
+  EXPECT_EQ(listed.error().code, "edit.format");
+  EXPECT_EQ(listed.error().location, "plants/area.zone.toml");
+}
+
 TEST(SidecarFile, has_a_name_derived_from_the_file_it_belongs_to) {
   EXPECT_EQ(sidecar_file("plants/area.lif.json"), "plants/area.zone.toml");
   EXPECT_EQ(sidecar_file("plants.d/area.xodr"), "plants.d/area.zone.toml");
   EXPECT_EQ(sidecar_file("plants.d/area"), "plants.d/area.zone.toml");
   EXPECT_EQ(sidecar_file("area.v2.json"), "area.v2.zone.toml");
+  EXPECT_EQ(sidecar_file("plants/a.b"), "plants/a.zone.toml");
+  EXPECT_EQ(sidecar_file("plants/.b"), "plants/.b.zone.toml");
   EXPECT_EQ(sidecar_of_file("area.xodr"), "area.zone.toml");
   EXPECT_EQ(sidecar_of_file("area.toml"), std::nullopt);
 }

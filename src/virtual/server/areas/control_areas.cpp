@@ -1,6 +1,7 @@
 #include "cosiva/virtual/server/areas/control_areas.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "cosiva/base/expect.h"
@@ -128,13 +129,11 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
 
   const zone::Router router{there};
   const zone::Station* best = nullptr;
-  double best_m = 0.0;
+  double best_m = std::numeric_limits<double>::infinity();
   for (const zone::Station& station : zone.stations) {
     if (!missions.known({Mission::Kind::go, station.name, {}})) continue;
     const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.position));
-    if (!entry_point || (best != nullptr && entry_point->distance_m >= best_m) ||
-        !router.plan(entry_point->position, *end))
-      continue;
+    if (!entry_point || entry_point->distance_m >= best_m || !router.plan(entry_point->position, *end)) continue;
     best = &station;
     best_m = entry_point->distance_m;
   }

@@ -3,6 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/server/augmented/third_party_pause.h"
+#include "cosiva/virtual/server/augmented/virtual_fleet.h"
+#include "cosiva/virtual/server/testing/orders_fixture.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
@@ -328,6 +340,289 @@ TEST(Body, distance_refers_to_the_nearest_point_of_its_surface) {
   EXPECT_NEAR(distance_to(body, {1.0, 2.5}), 0.40, 1e-12) << "its nose is 0.10 m before its centre";
   EXPECT_NEAR(distance_to(body, {1.3, 2.0}), 0.24, 1e-12);
   EXPECT_NEAR(distance_to(body, {1.0, 2.0}), -0.06, 1e-12);
+}
+
+/// Third-party vehicle 0 at (0.5, 0) with heading +x. Its path is checked every 4 cm, 0.14 m to either side: half of
+/// its width, 2 cm, and the radius of a person.
+class PausedVehicle : public testing::Test {
+ protected:
+  PausedVehicle() {
+    pauses.resize(1);
+    pauses.set_map(&*orders.map);
+  }
+  [[nodiscard]] static wire::Body body_at(double x_m, double y_m = 0.0, const std::string& id = "P1") {
+    return {id, "person", x_m, y_m, 0.0, 0.0, 0.06, 0.0, 0.0};
+  }
+  void evaluate(const wire::Body& body, bool is_aiv = false) {
+    const ThirdPartyPause::Body one{&body, is_aiv};
+    pauses.evaluate(vehicle, {0.5, 0.0, 0.0}, {&one, 1});
+  }
+  /// Whether the vehicle is paused for a body there, if it is not paused before.
+  [[nodiscard]] bool pauses_for(const wire::Body& body, bool is_aiv = false) {
+    pauses.let_go(vehicle);
+    evaluate(body, is_aiv);
+    return orders.proxy(vehicle).settings.paused_for_body();
+  }
+
+  OrdersFixture orders;
+  VehicleIndex vehicle{orders.add_at("A1", {0, 0.5}, "ACME")};
+  ThirdPartyPause pauses{orders.server.registry, orders.traffic, orders.server.publisher, orders.actions,
+                         orders.server.simulator};
+};
+
+TEST_F(PausedVehicle, is_paused_for_a_body_within_eighty_centimetres_of_its_front) {
+  // Points of the path up to 0.1 m + 0.8 m: the last is at 0.5 m + 22 · 0.04 m.
+  EXPECT_TRUE(pauses_for(body_at(1.38 + 0.139)));
+  EXPECT_FALSE(pauses_for(body_at(1.38 + 0.141)));
+  EXPECT_TRUE(pauses_for(body_at(0.5 - 0.139)));
+  EXPECT_FALSE(pauses_for(body_at(0.5 - 0.141))) << "only the tail is near it";
+  EXPECT_TRUE(pauses_for(body_at(0.9, 0.139)));
+  EXPECT_FALSE(pauses_for(body_at(0.9, 0.141)));
+}
+
+TEST_F(PausedVehicle, is_released_when_the_body_is_more_than_a_metre_away) {
+  evaluate(body_at(1.4));
+  // The last point is at 0.5 m + 27 · 0.04 m now.
+  evaluate(body_at(1.58 + 0.139));
+  EXPECT_TRUE(orders.proxy(vehicle).settings.paused_for_body());
+  evaluate(body_at(1.58 + 0.141));
+  EXPECT_FALSE(orders.proxy(vehicle).settings.paused_for_body());
+}
+
+TEST_F(PausedVehicle, is_checked_straight_on_where_it_is_off_the_path) {
+  orders.traffic.set_position(vehicle, std::nullopt);
+  const wire::Body body = body_at(0.5, 0.7);
+  const ThirdPartyPause::Body one{&body, false};
+  pauses.evaluate(vehicle, {0.5, 0.0, 0.0}, {&one, 1});
+  EXPECT_FALSE(orders.proxy(vehicle).settings.paused_for_body());
+  pauses.evaluate(vehicle, {0.5, 0.0, 0.5 * pi}, {&one, 1});
+  EXPECT_TRUE(orders.proxy(vehicle).settings.paused_for_body());
+}
+
+TEST_F(PausedVehicle, is_paused_for_a_vehicle_only_within_its_base) {
+  EXPECT_TRUE(pauses_for(body_at(1.4), true)) << "it has no base";
+  WaypointIndex end = 0;
+  while (orders.map->waypoint(end).position.s_m < 0.51) ++end;
+  const double end_s_m = orders.map->waypoint(end).position.s_m;
+  ASSERT_LT(end_s_m, 1.0);
+  orders.traffic.set_base_end(vehicle, end);
+  orders.traffic.update();
+  EXPECT_FALSE(pauses_for(body_at(1.4), true));
+  EXPECT_TRUE(pauses_for(body_at(1.4), false));
+  EXPECT_TRUE(pauses_for(body_at(end_s_m), true)) << "at the end of its base";
+}
+
+TEST_F(PausedVehicle, gets_one_action_at_the_beginning_and_one_at_the_end) {
+  evaluate(body_at(1.0));
+  EXPECT_EQ(pauses.changes(), 1U);
+  EXPECT_EQ(pauses.paused_for(vehicle), "P1");
+  ASSERT_THAT(orders.actions_to(vehicle, "startPause"), SizeIs(1));
+  EXPECT_THAT(orders.logs(), Contains("i ACME/A1: does not perceive virtual objects; paused for P1"));
+  ASSERT_NE(orders.actions.find(1), nullptr);
+  EXPECT_EQ(orders.actions.find(1)->until, orders.now + 5s);
+  evaluate(body_at(0.9, 0.0, "P2"));
+  EXPECT_EQ(pauses.paused_for(vehicle), "P2");
+  EXPECT_EQ(pauses.changes(), 1U);
+  EXPECT_THAT(orders.actions_to(vehicle, "startPause"), SizeIs(1));
+  pauses.let_go(vehicle);
+  EXPECT_EQ(pauses.paused_for(vehicle), "");
+  EXPECT_EQ(pauses.changes(), 2U);
+  EXPECT_THAT(orders.actions_to(vehicle, "stopPause"), SizeIs(1));
+  EXPECT_EQ(orders.actions.find(1), nullptr) << "not repeated any more";
+  pauses.let_go(vehicle);
+  EXPECT_EQ(pauses.changes(), 2U);
+  EXPECT_THAT(orders.actions_to(vehicle, "stopPause"), SizeIs(1));
+}
+
+TEST_F(PausedVehicle, is_not_paused_again_where_it_reports_that_it_is_paused) {
+  orders.report_field(vehicle, &wire::State::paused, true);
+  evaluate(body_at(1.0));
+  EXPECT_FALSE(orders.proxy(vehicle).settings.paused_for_body());
+  EXPECT_EQ(pauses.paused_for(vehicle), "");
+  EXPECT_EQ(pauses.changes(), 0U);
+}
+
+/// The publisher without a server around it; physical vehicle 0 at (0.5, 0) with heading +x.
+class BodyPublisher : public testing::Test {
+ protected:
+  BodyPublisher() {
+    pauses.resize(2);
+    pauses.set_map(&*orders.map);
+    publisher.resize(1);
+  }
+  void add_person(double x_m, double y_m, const std::string& id = "P1") {
+    VirtualObject added;
+    added.id = id;
+    added.radius_m = 0.06;
+    added.walk = Walk({Point2{x_m, y_m}}, 0.0, Repeat::once);
+    added.started = orders.now;
+    orders.server.simulator.augmented().add(std::move(added));
+  }
+  void remove(const std::string& id) { EXPECT_TRUE(orders.server.simulator.augmented().remove(id)); }
+  [[nodiscard]] std::vector<wire::VirtualObstacles> sent() const {
+    std::vector<wire::VirtualObstacles> all;
+    for (const wire::Effect& effect : orders.effects)
+      if (const auto* message = std::get_if<wire::Publish>(&effect);
+          message != nullptr && message->topic == "cosiva/v1/virtual_obstacles/CoSiVA/AIV1")
+        all.push_back(*wire::virtual_obstacles_from_json(message->payload));
+    return all;
+  }
+  /// Number of messages that an update after this time sends.
+  std::size_t sent_after(SimDuration duration) {
+    const std::size_t before = sent().size();
+    orders.pass(duration);
+    publisher.update();
+    return sent().size() - before;
+  }
+  /// Whether a person there is sent to the vehicle.
+  [[nodiscard]] bool sends(double x_m, double y_m = 0.0) {
+    add_person(x_m, y_m);
+    publisher.update();
+    const bool found = !sent().empty() && !sent().back().bodies.empty();
+    remove("P1");
+    publisher.update();
+    return found;
+  }
+  [[nodiscard]] bool acknowledge(std::uint32_t header_id, const std::string& brakes_for = "") {
+    return publisher.on_virtual_obstacles_ack(
+        vehicle, {header_id, orders.now, !brakes_for.empty(), brakes_for, std::nullopt}, orders.now);
+  }
+  [[nodiscard]] double effects(const std::string& name) const {
+    JsonWriter json;
+    orders.server.simulator.monitor().write(json);
+    return *JsonValue::parse(json.text())->find("effects")->find(name)->number("count");
+  }
+
+  OrdersFixture orders;
+  VehicleIndex vehicle{orders.add_at("AIV1", {0, 0.5})};
+  VirtualFleet fleet{orders.server.registry, orders.server.publisher, orders.server.options.virtual_rules, false};
+  ThirdPartyPause pauses{orders.server.registry, orders.traffic, orders.server.publisher, orders.actions,
+                         orders.server.simulator};
+  VirtualObstaclePublisher publisher{
+      orders.server.registry, orders.server.publisher, orders.server.traces, orders.server.simulator, fleet, pauses};
+};
+
+TEST_F(BodyPublisher, sends_bodies_whose_surface_is_within_two_metres) {
+  EXPECT_TRUE(sends(0.5 + 2.059));
+  EXPECT_FALSE(sends(0.5 + 2.061));
+  EXPECT_TRUE(sends(0.5, -2.059));
+  EXPECT_FALSE(sends(0.5, -2.061));
+}
+
+TEST_F(BodyPublisher, sends_bodies_that_are_not_wholly_behind_the_tail) {
+  EXPECT_TRUE(sends(0.5 - 0.1 - 0.059));
+  EXPECT_FALSE(sends(0.5 - 0.1 - 0.061));
+  EXPECT_TRUE(sends(0.5 - 0.1 - 0.059, 0.5)) << "to the left of the tail";
+  EXPECT_FALSE(sends(0.5 - 0.1 - 0.061, 0.5));
+}
+
+TEST_F(BodyPublisher, sends_each_field_of_the_nearest_bodies) {
+  add_person(1.5, 0.25, "far");
+  add_person(1.0, 0.25, "near");
+  publisher.update();
+  ASSERT_THAT(sent(), SizeIs(1));
+  const wire::VirtualObstacles message = sent().front();
+  EXPECT_EQ(message.header_id, 0U);
+  EXPECT_EQ(message.timestamp, orders.now);
+  EXPECT_EQ(message.map_id, "oval");
+  const wire::Body near{"near", "person", 1.0, 0.25, 0.0, 0.0, 0.06, 0.0, 0.0};
+  const wire::Body far{"far", "person", 1.5, 0.25, 0.0, 0.0, 0.06, 0.0, 0.0};
+  EXPECT_THAT(message.bodies, ElementsAre(near, far));
+}
+
+TEST_F(BodyPublisher, sends_at_most_the_32_nearest_bodies) {
+  for (int i = 39; i >= 0; --i) add_person(0.7 + 0.03 * i, 0.0, "P" + std::to_string(i));
+  publisher.update();
+  ASSERT_THAT(sent(), SizeIs(1));
+  ASSERT_THAT(sent().front().bodies, SizeIs(32));
+  EXPECT_EQ(sent().front().bodies.front().id, "P0");
+  EXPECT_EQ(sent().front().bodies.back().id, "P31");
+}
+
+TEST_F(BodyPublisher, repeats_a_message_after_exactly_100_ms) {
+  add_person(1.0, 0.0);
+  EXPECT_EQ(sent_after(0ms), 1U);
+  EXPECT_EQ(sent_after(99ms), 0U);
+  EXPECT_EQ(sent_after(1ms), 1U);
+  remove("P1");
+  EXPECT_EQ(sent_after(1ms), 1U) << "at once";
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(sent_after(100ms), 1U);
+  EXPECT_EQ(sent_after(100ms), 0U) << "five empty messages were sent";
+}
+
+TEST_F(BodyPublisher, accepts_acknowledgements_of_the_last_256_messages) {
+  EXPECT_FALSE(acknowledge(0)) << "no message was sent";
+  add_person(1.0, 0.0);
+  for (int i = 0; i < 257; ++i) {
+    orders.pass(100ms);
+    publisher.update();
+  }
+  ASSERT_THAT(sent(), SizeIs(257));
+  EXPECT_FALSE(acknowledge(257));
+  EXPECT_TRUE(acknowledge(256));
+  EXPECT_TRUE(acknowledge(1));
+  EXPECT_FALSE(acknowledge(0));
+}
+
+TEST_F(BodyPublisher, measures_a_change_by_the_acknowledgement_of_its_message_or_of_the_next_two) {
+  add_person(1.0, 0.0);
+  for (int i = 0; i < 4; ++i) ASSERT_EQ(sent_after(100ms), 1U);
+  EXPECT_TRUE(acknowledge(3));
+  EXPECT_EQ(effects("perceived_ms"), 0.0);
+  EXPECT_TRUE(acknowledge(2, "P1"));
+  EXPECT_EQ(effects("perceived_ms"), 1.0);
+  EXPECT_EQ(effects("brakes_ms"), 1.0);
+  EXPECT_EQ(publisher.perceives(vehicle), "P1");
+  EXPECT_TRUE(acknowledge(2));
+  EXPECT_EQ(effects("perceived_ms"), 1.0) << "once";
+  EXPECT_EQ(publisher.perceives(vehicle), "");
+}
+
+TEST_F(BodyPublisher, continues_its_numbers_in_a_vehicle_s_new_session) {
+  add_person(1.0, 0.0);
+  publisher.update();
+  ASSERT_TRUE(acknowledge(0, "P1"));
+  publisher.new_session(vehicle);
+  EXPECT_EQ(publisher.perceives(vehicle), "");
+  EXPECT_EQ(sent_after(1ms), 1U) << "the vehicle has perceived nothing yet";
+  EXPECT_EQ(sent().back().header_id, 1U);
+}
+
+TEST_F(BodyPublisher, folds_each_vehicle_s_messages_into_the_digest) {
+  add_person(1.0, 0.0);
+  publisher.update();
+  ASSERT_TRUE(acknowledge(0, "P1"));
+  Digest expected;
+  expected.add(std::uint64_t{1});
+  expected.add(std::uint64_t{1});
+  expected.add(std::string_view{"P1"});
+  Digest digest;
+  publisher.fold(digest);
+  EXPECT_EQ(digest, expected);
+}
+
+TEST(Body, of_a_vehicle_states_its_shape_and_motion) {
+  const wire::Body body = body_of("V1", {1.0, 2.0, 0.5}, 0.3, {0.20, 0.12});
+  EXPECT_EQ(body.id, "V1");
+  EXPECT_EQ(body.kind, "aiv");
+  EXPECT_EQ(body.x_m, 1.0);
+  EXPECT_EQ(body.y_m, 2.0);
+  EXPECT_EQ(body.heading_rad, 0.5);
+  EXPECT_DOUBLE_EQ(body.length_m, 0.08);
+  EXPECT_DOUBLE_EQ(body.radius_m, 0.06);
+  EXPECT_NEAR(body.vx_mps, 0.3 * 0.8775825618903728, 1e-12);  // cos 0.5
+  EXPECT_NEAR(body.vy_mps, 0.3 * 0.479425538604203, 1e-12);   // sin 0.5
+  EXPECT_EQ(body_of("V2", {}, 0.0, {0.1, 0.12}).length_m, 0.0) << "wider than long";
+}
+
+TEST(Body, distance_is_measured_across_a_turned_body) {
+  // The body's centre line reaches 0.04 m from (1, 2) in the direction of 0.5 rad.
+  const wire::Body body = body_of("V1", {1.0, 2.0, 0.5}, 0.0, {0.20, 0.12});
+  const Pose2 centre{1.0, 2.0, 0.5};
+  EXPECT_NEAR(distance_to(body, centre * Point2{0.34, 0.0}), 0.24, 1e-12);
+  EXPECT_NEAR(distance_to(body, centre * Point2{-0.34, 0.0}), 0.24, 1e-12);
+  EXPECT_NEAR(distance_to(body, centre * Point2{0.03, 0.2}), 0.14, 1e-12);
+  EXPECT_NEAR(distance_to(body, centre * Point2{0.34, 0.4}), 0.44, 1e-12) << "0.3 m and 0.4 m from its end";
 }
 
 }  // namespace

@@ -183,22 +183,20 @@ void Commands::supersede(const Command& by) {
 
 bool Commands::effect_observed(const Command& command) const {
   const AivProxy& proxy = registry_[command.vehicle];
-  if (!proxy.state()) return false;
-  const wire::State& state = *proxy.state();
+  const wire::State& state = *proxy.state();  // a state has acknowledged the command's actions
   const double speed_mps = proxy.twin() ? simulator_.twin(*proxy.twin()).speed_mps() : 0.0;
   switch (*command.verb) {
     case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < stopped_mps;
     case OperatorCommandKind::restart: {
       // A limit requested after the restart does not make the restart fail.
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
-        return other.vehicle == command.vehicle && other.at >= command.at && other.verb && profile_of(*other.verb);
+        return other.vehicle == command.vehicle && other.at >= command.at && profile_of(*other.verb);
       });
       return !state.paused && (!proxy.reported_state.imposed() || limited_since);
     }
     case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
     case OperatorCommandKind::limit: {
-      const InstantActionSender::PendingAction* pending_action = action_sender_.find(command.handle);
-      return pending_action != nullptr && pending_action->actions.front().status == wire::ActionStatus::finished &&
+      return action_sender_.find(command.handle)->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;
     }
     case OperatorCommandKind::slow:

@@ -9,7 +9,6 @@ namespace cosiva::virtual_side {
 void ServerLink::came_up(SimTime now) {
   COSIVA_EXPECT(!up_);
   up_ = true;
-  synchronised_ = false;
   up_since_ = now;
   next_heartbeat_ = now;
 }

@@ -4,8 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 #include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/virtual/server/core/server_core.h"
@@ -35,7 +41,7 @@ class ControlAreasFixture {
 
   struct Server {
     std::unique_ptr<ServerCore> core;
-    std::string memory;
+    std::string state_file;
     std::vector<std::string> logs;
     std::vector<wire::Publish> published;
     bool deaf_to_owners{false};  ///< messages about owners are delayed
@@ -56,7 +62,7 @@ class ControlAreasFixture {
     options.area = area;
     options.zone = zone_of.at(area);
     server.core = std::make_unique<ServerCore>(options);
-    if (restore && !server.memory.empty()) feed(server, wire::InputKind::restore, "", server.memory);
+    if (restore && !server.state_file.empty()) feed(server, wire::InputKind::restore, "", server.state_file);
     link(area);
   }
   void link(const std::string& area) {
@@ -178,7 +184,7 @@ class ControlAreasFixture {
     server.core->handle({now, kind, std::move(source), std::move(payload), flag}, effects);
     for (const wire::Effect& effect : effects) {
       if (const auto* log = std::get_if<wire::Log>(&effect)) server.logs.push_back(log->text);
-      if (const auto* memory = std::get_if<wire::Persist>(&effect)) server.memory = memory->bytes;
+      if (const auto* state = std::get_if<wire::Persist>(&effect)) server.state_file = state->bytes;
       if (const auto* message = std::get_if<wire::Publish>(&effect)) {
         server.published.push_back(*message);
         queue_.push_back(*message);
@@ -500,6 +506,224 @@ TEST(ControlAreas, do_not_concern_the_only_server_of_its_broker) {
   options.area = "a";
   EXPECT_EQ(server_options_from_json(to_json(options))->area, "a");
   EXPECT_FALSE(server_options_from_json(R"({"area":"a/b"})"));
+}
+
+const std::string owner_topic = "cosiva/v1/owner/" + aiv1;
+
+std::ptrdiff_t owners_published(const ControlAreasFixture& fixture, const std::string& area) {
+  return std::ranges::count(fixture.servers.at(area).published, owner_topic, &wire::Publish::topic);
+}
+void lose_link(ControlAreasFixture& fixture, const std::string& area) {
+  wire::Effects effects;
+  fixture.servers[area].core->handle({fixture.now, wire::InputKind::link, "", "down", false}, effects);
+}
+void publish_owner_b(ControlAreasFixture& fixture, std::optional<Pose2> pose,
+                     std::optional<wire::Owner::Mission> mission = {}) {
+  fixture.publish({owner_topic, wire::to_json(wire::Owner{"b", 7, fixture.now, pose, std::move(mission)}), 1, true});
+}
+/// From here on the test writes the messages of the only vehicle.
+std::unique_ptr<FixtureVehicle> take_out(ControlAreasFixture& fixture) {
+  std::unique_ptr<FixtureVehicle> vehicle = std::move(fixture.vehicles.front());
+  fixture.vehicles.clear();
+  return vehicle;
+}
+
+TEST(ControlAreas, claim_a_vehicle_a_second_after_its_first_position_and_again_every_two_seconds) {
+  ControlAreasFixture fixture{{"a"}};
+  fixture.loses_owners = true;
+  fixture.in_a();
+  fixture.run_for(1000ms);
+  EXPECT_EQ(owners_published(fixture, "a"), 0);
+  fixture.run_for(20ms);  // its first position was published at 20 ms
+  EXPECT_EQ(owners_published(fixture, "a"), 1);
+  fixture.run_for(1980ms);
+  EXPECT_EQ(owners_published(fixture, "a"), 1);
+  fixture.run_for(20ms);
+  EXPECT_EQ(owners_published(fixture, "a"), 2);
+}
+
+TEST(ControlAreas, claim_a_vehicle_whose_last_position_is_a_second_old_and_no_older_one) {
+  for (const SimDuration late : {SimDuration{0ms}, SimDuration{10ms}}) {
+    ControlAreasFixture fixture{{"a"}};
+    fixture.in_a();
+    const auto vehicle = take_out(fixture);
+    fixture.now += late;
+    fixture.publish({vehicle->topic("state"), vda::encode(vehicle->state(fixture.now)), 0, false});
+    fixture.now -= late;
+    fixture.run_for(3s);  // the tick at 1000 ms claims it or none does
+    EXPECT_EQ(fixture.kept.contains(owner_topic), late == SimDuration{0ms});
+  }
+}
+
+TEST(ControlAreas, forget_a_vehicle_without_an_owner_until_it_is_claimed_anew) {
+  ControlAreasFixture fixture{{"a"}};
+  FixtureVehicle& aiv = fixture.in_a();
+  aiv.deaf_to = {"startPause"};
+  fixture.run_for(1100ms);
+  ASSERT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  const auto snapshot = [&] { return *JsonValue::parse(fixture.servers["a"].core->snapshot_json()); };
+  EXPECT_EQ(snapshot().find("bijection")->number("matched"), 1.0);
+  fixture.send_command("a", R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})");
+  fixture.publish({owner_topic, "", 1, true});
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  EXPECT_THAT(fixture.servers["a"].logs.back(), HasSubstr("CoSiVA/AIV1: released"));
+  const JsonValue released = snapshot();
+  EXPECT_EQ(released.find("bijection")->number("physical"), 0.0);
+  EXPECT_EQ(released.find("bijection")->number("virtual"), 0.0);
+  EXPECT_EQ(released.find("commands")->array()->back().text("state"), "failed");
+  EXPECT_EQ(released.find("commands")->array()->back().text("reason"), "CoSiVA/AIV1 has no owner any more");
+  fixture.run_for(900ms);
+  EXPECT_THAT(fixture.table("a"), IsEmpty()) << "a second from its next position on";
+  fixture.run_for(300ms);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  fixture.run_for(200ms);
+  EXPECT_EQ(snapshot().find("bijection")->number("matched"), 1.0);
+}
+
+TEST(ControlAreas, take_over_what_the_owner_message_and_earlier_messages_state) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  const auto vehicle = take_out(fixture);
+  const wire::Connection broken = vehicle->connection(fixture.now, wire::ConnectionState::connection_broken);
+  fixture.publish({vehicle->topic("connection"), vda::encode(broken), 1, true});
+  publish_owner_b(fixture, Pose2{1.6, 0.0, 0.0}, wire::Owner::Mission{"go", "rack_b"});
+  const JsonValue aiv = fixture.aiv("b");
+  EXPECT_EQ(aiv.text("connection"), "CONNECTIONBROKEN");
+  EXPECT_EQ(aiv.number("age_ms"), 0.0);
+  EXPECT_EQ(aiv.text("section"), "gate");
+  EXPECT_EQ(fixture.mission("b"), "rack_b, driving");
+  const JsonValue summary = *JsonValue::parse(fixture.servers["b"].core->summary_json());
+  EXPECT_EQ(summary.find("aivs")->array()->front().flag("present"), true);
+  EXPECT_THAT(fixture.servers["b"].logs, testing::Contains("CoSiVA/AIV1: belongs to this control area"));
+  EXPECT_THAT(fixture.servers["b"].state_file, HasSubstr(R"("vehicle":"CoSiVA/AIV1","kind":"go","name":"rack_b")"));
+  const wire::Owner published = *wire::owner_from_json(fixture.kept.at(owner_topic).payload);
+  EXPECT_EQ(published, (wire::Owner{"b", 8, fixture.now, Pose2{1.6, 0.0, 0.0}, std::nullopt}));
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+}
+
+TEST(ControlAreas, show_a_vehicle_only_where_its_pose_is_known_and_of_now) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  ASSERT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  fixture.kill("a");
+  fixture.start("a");
+  EXPECT_THAT(fixture.table("a"), IsEmpty()) << "the retained pose is that of the claim";
+  fixture.run_for(200ms);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+  publish_owner_b(fixture, std::nullopt);
+  EXPECT_THAT(fixture.table("a"), IsEmpty());
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
+  EXPECT_THAT(fixture.servers["a"].logs.back(), HasSubstr("released; it belongs to control area b now"));
+  fixture.run_for(200ms);
+  EXPECT_THAT(fixture.table("b"), ElementsAre(aiv1));
+}
+
+TEST(ControlAreas, give_a_vehicle_no_mission_that_they_do_not_know) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  publish_owner_b(fixture, Pose2{1.6, 0.0, 0.0}, wire::Owner::Mission{"go", "nowhere"});
+  EXPECT_EQ(fixture.mission("b"), "round, driving");
+}
+
+TEST(ControlAreas, publish_a_lost_owner_with_the_pose_of_the_handover) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  const auto vehicle = take_out(fixture);
+  publish_owner_b(fixture, Pose2{1.6, 0.0, 0.0});
+  lose_link(fixture, "b");
+  fixture.kept.clear();
+  fixture.link("b");
+  fixture.run_for(2100ms);  // the startup synchronisation waits two seconds for the vehicle
+  ASSERT_TRUE(fixture.kept.contains(owner_topic));
+  const wire::Owner published = *wire::owner_from_json(fixture.kept.at(owner_topic).payload);
+  EXPECT_EQ(published.area, "b");
+  EXPECT_EQ(published.sequence, 8U);
+  ASSERT_TRUE(published.pose.has_value());
+  EXPECT_EQ(published.pose->x_m, 1.6);
+}
+
+/// AIV1 waits in the gate for the server of area b, which has failed; the test writes its messages from then on.
+class AtTheGate : public testing::Test {
+ protected:
+  AtTheGate() {
+    fixture.in_a();
+    fixture.run_for(2s);
+    fixture.go("a", "b/rack_b");
+    fixture.kill("b");
+    fixture.run_for(20s);
+    vehicle = take_out(fixture);
+  }
+  void expect_not_handed_over() const {
+    EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+    EXPECT_THAT(fixture.table("b"), IsEmpty());
+  }
+  ControlAreasFixture fixture;
+  std::unique_ptr<FixtureVehicle> vehicle;
+};
+
+TEST_F(AtTheGate, vehicle_is_not_handed_over_while_its_connection_is_broken) {
+  const wire::Connection broken = vehicle->connection(fixture.now, wire::ConnectionState::connection_broken);
+  fixture.publish({vehicle->topic("connection"), vda::encode(broken), 1, true});
+  fixture.start("b");
+  fixture.run_for(500ms);
+  expect_not_handed_over();
+}
+
+TEST_F(AtTheGate, vehicle_is_not_handed_over_while_it_is_lost) {
+  fixture.run_for(3s);
+  ASSERT_EQ(fixture.aiv("a").flag("lost"), true);
+  fixture.start("b");
+  fixture.run_for(500ms);
+  expect_not_handed_over();
+}
+
+TEST(ControlAreas, hand_over_no_vehicle_whose_order_was_cancelled) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.run_for(500ms);
+  fixture.send_command("a", R"({"command":"cancel","vehicle":"CoSiVA/AIV1"})");
+  fixture.run_for(5s);
+  EXPECT_THAT(fixture.published_areas(), ElementsAre("a"));
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1));
+}
+
+TEST(ControlAreas, publish_a_handover_every_two_seconds_and_at_once_when_the_link_comes_up) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.loses_owners = true;
+  std::vector<SimTime> times;
+  std::ptrdiff_t known = owners_published(fixture, "a");
+  fixture.each_step = [&] {
+    const std::ptrdiff_t count = owners_published(fixture, "a");
+    if (count != known) times.push_back(fixture.now);
+    known = count;
+  };
+  ASSERT_TRUE(fixture.run_until([&] { return times.size() >= 3; }, 60s));
+  EXPECT_EQ(times[1] - times[0], 2s);
+  EXPECT_EQ(times[2] - times[1], 2s);
+  lose_link(fixture, "a");
+  fixture.link("a");
+  fixture.run_for(1500ms);
+  EXPECT_EQ(times.size(), 4U) << "the handover from before is void";
+}
+
+TEST(ControlAreas, register_no_vehicle_with_a_name_that_the_standard_does_not_permit_and_no_virtual_aiv_of_others) {
+  ControlAreasFixture fixture{{"a"}};
+  const std::size_t logged = fixture.servers["a"].logs.size();
+  fixture.publish({"uagv/v2/Ac me/x/connection", "{}", 1, false});
+  fixture.publish({"uagv/v2/Acme/x y/connection", "{}", 1, false});
+  EXPECT_EQ(fixture.servers["a"].logs.size(), logged + 2);
+  EXPECT_THAT(fixture.servers["a"].logs.back(), HasSubstr("has a name with characters that VDA 5050 does not permit"));
+  const wire::Connection online{{1, fixture.now, "2.1.0", "CoSiVA.virtual", "V9"}, wire::ConnectionState::online};
+  fixture.publish({"uagv/v2/CoSiVA.virtual/V9/connection", vda::encode(online), 1, false});
+  const JsonValue summary = *JsonValue::parse(fixture.servers["a"].core->summary_json());
+  EXPECT_THAT(*summary.find("aivs")->array(), IsEmpty());
+  EXPECT_EQ(summary.number("messages_refused"), 2.0);
 }
 
 }  // namespace

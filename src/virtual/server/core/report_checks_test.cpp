@@ -149,5 +149,23 @@ TEST_F(Checked, reasons_are_logged_once_independent_of_each_other) {
   EXPECT_THAT(logs(), ElementsAre("i CoSiVA/AIV1: first", "w CoSiVA/AIV1: second"));
 }
 
+TEST_F(Checked, names_and_versions_are_cut_where_they_are_logged) {
+  EXPECT_FALSE(take({1, context.now, "2.1.0", std::string(70, 'm'), std::string(70, 's')}));
+  EXPECT_FALSE(take_version(std::string(40, '3')));
+  EXPECT_THAT(logs(), ElementsAre("w CoSiVA/AIV1: a message on its topic states the sender '" + std::string(64, 'm') +
+                                      "/" + std::string(64, 's') + "'; ignored",
+                                  "w CoSiVA/AIV1: uses version '" + std::string(32, '3') +
+                                      "'; this server reads 2.x; ignored"));
+}
+
+TEST_F(Checked, header_of_another_sender_is_not_counted_among_the_vehicle_s_own) {
+  EXPECT_TRUE(take_number(1));
+  EXPECT_FALSE(take({5, context.now, "2.1.0", "Acme", "AIV1"}));
+  EXPECT_FALSE(take({6, context.now, "3.0.0", "CoSiVA", "AIV1"}));
+  EXPECT_TRUE(take_number(2));
+  EXPECT_EQ(proxy().counters.missed(), 0U);
+  EXPECT_EQ(proxy().counters.messages(), 4U);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

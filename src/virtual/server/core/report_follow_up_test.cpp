@@ -107,5 +107,42 @@ TEST_F(FollowUp, requests_a_factsheet_after_a_second_and_only_where_it_is_missin
     EXPECT_NE(message.actions.front().action_type, "factsheetRequest");
 }
 
+TEST_F(FollowUp, requests_a_factsheet_exactly_a_second_after_the_first_message) {
+  fixture.run_for(980ms);
+  EXPECT_THAT(sent("factsheetRequest"), IsEmpty());
+  fixture.run_for(20ms);
+  EXPECT_THAT(sent("factsheetRequest"), SizeIs(1));
+}
+
+TEST_F(FollowUp, requests_no_factsheet_of_a_vehicle_that_is_absent_or_offline) {
+  FixtureVehicle& absent = fixture.add("AIV2", {2, 0.5});
+  absent.alive = false;
+  absent.position_known = false;
+  fixture.run_for(600ms);
+  aiv.alive = false;
+  fixture.connection(aiv, wire::ConnectionState::offline);
+  fixture.run_for(2500ms);  // the startup synchronisation waits two seconds for the absent one
+  EXPECT_THAT(fixture.published_on("uagv/v2/CoSiVA/AIV1/instantActions"), IsEmpty());
+  EXPECT_THAT(fixture.published_on("uagv/v2/CoSiVA/AIV2/instantActions"), IsEmpty());
+}
+
+TEST_F(FollowUp, sends_no_position_to_a_vehicle_that_never_had_one) {
+  FixtureVehicle& lost = fixture.add("AIV2", {2, 0.5});
+  lost.position_known = false;
+  fixture.run_for(4s);
+  for (const wire::InstantActions& message : lost.actions)
+    EXPECT_NE(message.actions.front().action_type, "initPosition");
+  EXPECT_FALSE(fixture.logged("has lost its position"));
+}
+
+TEST_F(FollowUp, sends_the_position_again_for_two_seconds_where_the_vehicle_does_not_respond) {
+  aiv.deaf_to = {"initPosition"};
+  fixture.run_for(3s);
+  aiv.position_known = false;
+  fixture.run_for(5s);
+  // At 0, 300, 600 … 1800 ms.
+  EXPECT_THAT(sent("initPosition"), SizeIs(7));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

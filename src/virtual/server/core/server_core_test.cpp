@@ -3,7 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "cosiva/virtual/server/testing/server_fixture.h"
+#include "cosiva/wire/own/control_areas.h"
+#include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -280,6 +287,143 @@ TEST(ServerOptions, refuse_invalid_values_and_name_the_field) {
   }
   EXPECT_FALSE(server_options_from_json("[]").has_value());
   EXPECT_FALSE(server_options_from_json("{").has_value());
+}
+
+/// Servers with the link up that differ in their last inputs only.
+class Folded : public testing::Test {
+ protected:
+  Folded() { options.zone = oval(); }
+  using Inputs = std::vector<std::pair<std::string, std::string>>;  ///< topic and payload; a command has no topic
+
+  [[nodiscard]] static wire::State state(std::uint32_t header_id, double x_m, SimTime at = virtual_epoch) {
+    wire::State made;
+    made.header = {header_id, at, "2.1.0", "CoSiVA", "AIV1"};
+    made.position = wire::AgvPosition{{x_m, 0.0, 0.0}, "oval", true, {}, {}};
+    return made;
+  }
+  [[nodiscard]] static std::pair<std::string, std::string> sent(const wire::State& message) {
+    return {"uagv/v2/CoSiVA/AIV1/state", vda::encode(message)};
+  }
+  [[nodiscard]] static std::pair<std::string, std::string> connection_of(const std::string& manufacturer,
+                                                                         const std::string& serial) {
+    const wire::Connection message{{1, virtual_epoch, "2.1.0", manufacturer, serial}, wire::ConnectionState::online};
+    return {"uagv/v2/" + manufacturer + "/" + serial + "/connection", vda::encode(message)};
+  }
+  [[nodiscard]] Digest digest_of(const Inputs& inputs, bool last_is_retained = false) const {
+    ServerCore server{options};
+    wire::Effects effects;
+    server.handle({virtual_epoch, wire::InputKind::link, "", "up"}, effects);
+    for (const auto& [topic, payload] : inputs) {
+      const bool retained = last_is_retained && &topic == &inputs.back().first;
+      const auto kind = topic.empty() ? wire::InputKind::command : wire::InputKind::message;
+      server.handle({virtual_epoch, kind, topic, payload, retained}, effects);
+    }
+    Digest digest;
+    server.fold(digest);
+    return digest;
+  }
+  void expect_different(const Inputs& one, const Inputs& other) const { EXPECT_NE(digest_of(one), digest_of(other)); }
+  ServerOptions options;
+  const std::pair<std::string, std::string> cleared{"uagv/v2/CoSiVA/AIV1/state", ""};
+};
+
+TEST_F(Folded, server_has_the_digest_of_its_inputs) {
+  const Inputs inputs{
+      connection_of("CoSiVA", "AIV1"), sent(state(1, 0.5)), {"", R"({"command":"stop","vehicle":"*"})"}};
+  EXPECT_EQ(digest_of(inputs), digest_of(inputs));
+}
+
+TEST_F(Folded, twins_show_in_the_digest) { expect_different({sent(state(1, 0.5))}, {sent(state(1, 0.6))}); }
+
+TEST_F(Folded, names_of_vehicles_show_in_the_digest) {
+  expect_different({connection_of("Acme", "x1")}, {connection_of("Other", "y1")});
+}
+
+TEST_F(Folded, counters_of_a_vehicle_show_in_the_digest) {
+  const auto first = sent(state(1, 0.5));
+  expect_different({first}, {first, cleared});                        // messages
+  expect_different({first, sent(state(2, 0.5, virtual_epoch + 1s))},  // missed
+                   {first, sent(state(3, 0.5, virtual_epoch + 1s))});
+  expect_different({first, cleared}, {first, first});                       // outdated: the same again
+  EXPECT_NE(digest_of({first, cleared}), digest_of({first, first}, true));  // refused: it is retained
+  EXPECT_NE(digest_of({first, first}), digest_of({first, first}, true));
+}
+
+TEST_F(Folded, priorities_show_in_the_digest) {
+  const Inputs inputs{connection_of("CoSiVA", "AIV1")};
+  options.zone->text += "[priorities]\n\"CoSiVA/AIV1\" = 5\n";
+  const Digest five = digest_of(inputs);
+  options.zone->text.replace(options.zone->text.rfind('5'), 1, "6");
+  EXPECT_NE(digest_of(inputs), five);
+}
+
+TEST_F(Folded, missions_and_closed_sections_show_in_the_digest) {
+  const auto vehicle = connection_of("CoSiVA", "AIV1");
+  const auto rtm = zone::Rtm::initialise(oval());
+  const auto go = [&](std::size_t waypoint) {
+    return std::pair<std::string, std::string>{
+        "", R"({"command":"go","vehicle":"CoSiVA/AIV1","to":")" + rtm->zone().waypoints[waypoint].id + "\"}"};
+  };
+  expect_different({vehicle, go(2)}, {vehicle, go(3)});
+  expect_different({{"", R"({"command":"close","section":"east"})"}},
+                   {{"", R"({"command":"close","section":"west"})"}});
+}
+
+TEST_F(Folded, commands_show_in_the_digest) {
+  expect_different({{"", R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV1"})"}},
+                   {{"", R"({"id":"c2","command":"stop","vehicle":"CoSiVA/AIV1"})"}});
+}
+
+TEST_F(Folded, virtual_aivs_show_in_the_digest) {
+  const auto add = [](const char* s) {
+    return std::pair<std::string, std::string>{
+        "", std::string(R"({"command":"add","virtualObject":{"kind":"aiv","section":"south","s":)") + s + "}}"};
+  };
+  expect_different({add("0.5")}, {add("0.6")});
+}
+
+TEST_F(Folded, what_a_virtual_aiv_perceives_shows_in_the_digest) {
+  const std::pair<std::string, std::string> v1{
+      "", R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1","section":"south","s":0.5}})"};
+  const std::pair<std::string, std::string> p1{
+      "", R"({"command":"add","virtualObject":{"kind":"person","id":"P1","x":1.5,"y":0.5}})"};
+  const auto ack = [](bool braking) {
+    return std::pair<std::string, std::string>{
+        "cosiva/v1/virtual_obstacles_ack/CoSiVA.virtual/V1",
+        wire::to_json(wire::VirtualObstaclesAck{0, virtual_epoch, braking, braking ? "P1" : "", {}})};
+  };
+  expect_different({v1, p1, ack(true)}, {v1, p1, ack(false)});
+}
+
+TEST_F(Folded, edits_show_in_the_digest) {
+  const auto command = [](const char* json) { return std::pair<std::string, std::string>{"", json}; };
+  const auto add = command(R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})");
+  const auto remove = command(R"({"command":"edit","edit":{"removeTags":[5]}})");
+  const auto undo = command(R"({"command":"undo"})");
+  expect_different({add, remove}, {add, undo});
+}
+
+TEST_F(Folded, owners_of_vehicles_show_in_the_digest) {
+  options.area = "a";
+  const auto owner = [](const std::string& area) {
+    return std::pair<std::string, std::string>{"cosiva/v1/owner/CoSiVA/AIV1",
+                                               wire::to_json(wire::Owner{area, 1, virtual_epoch, {}, {}})};
+  };
+  expect_different({owner("b")}, {owner("c")});
+}
+
+TEST_F(Folded, detections_of_the_camera_show_in_the_digest) {
+  const auto detection = [](double x_m) {
+    wire::GvsDetections detections{
+        1, virtual_epoch, 0.5, {{"CoSiVA/AIV9", 9, virtual_epoch, {x_m, 0.0, 0.0}, 0.01}}, {}};
+    return std::pair<std::string, std::string>{std::string(wire::gvs_detections_topic), wire::to_json(detections)};
+  };
+  expect_different({detection(0.5)}, {detection(0.6)});
+}
+
+TEST_F(Folded, refused_messages_and_traces_show_in_the_digest) {
+  expect_different({}, {{"uagv/v3/Acme/x1/state", "{}"}});
+  expect_different({}, {{"", R"({"command":"close","section":"nowhere"})"}});
 }
 
 }  // namespace

@@ -142,5 +142,38 @@ TEST_F(V2xFixture, vehicles_are_near_in_the_eight_cells_around_the_sender_s) {
   }
 }
 
+TEST_F(V2xFixture, vehicles_are_near_in_the_eight_cells_around_every_cell) {
+  for (const double side_m : {-4.5, 4.5}) {
+    first.put({side_m, side_m, 0.0});
+    second.put({side_m, side_m, 0.0});
+    fixture.run_for(1s);
+    publish_intent(intent_of(first));
+    EXPECT_EQ(traces().back().text("to"), "CoSiVA/AIV2") << side_m;
+    second.put({-side_m, side_m, 0.0});
+    fixture.run_for(1s);
+    publish_intent(intent_of(first));
+    EXPECT_EQ(traces().back().text("to"), "*") << side_m;
+    second.put({side_m, -side_m, 0.0});
+    fixture.run_for(1s);
+    publish_intent(intent_of(first));
+    EXPECT_EQ(traces().back().text("to"), "*") << side_m;
+  }
+}
+
+TEST_F(V2xFixture, of_a_false_name_or_unreadable_is_counted_as_refused) {
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV2", to_json(intent_of(first)));
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{");
+  const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
+  for (const JsonValue& aiv : *summary.find("aivs")->array()) EXPECT_EQ(aiv.number("refused"), 1.0) << *aiv.text("id");
+}
+
+TEST_F(V2xFixture, summary_states_that_a_crossing_less_than_a_metre_in_front_is_not_entered_yet) {
+  wire::Intent intent = intent_of(first);
+  intent.crossings = {{"X1", 0.001, 0.4, 0.0, 1.0, true}};
+  publish_intent(intent);
+  ASSERT_THAT(traces(), SizeIs(1));
+  EXPECT_EQ(traces()[0].text("content"), "0.400 m/s; X1 in 0.000 s, its own");
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

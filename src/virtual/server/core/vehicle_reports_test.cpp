@@ -367,5 +367,177 @@ TEST_F(Reports, snapshot_lists_the_last_fifty_commands) {
   EXPECT_EQ(ids().back(), "x51");
 }
 
+TEST(VehicleReports, refuse_each_part_of_a_name_that_the_standard_does_not_permit) {
+  ServerFixture fixture;
+  for (const std::string vehicle : {"Ac me/x", "Acme/x y"}) {
+    const std::string topic = "uagv/v2/" + vehicle + "/connection";
+    fixture.feed(wire::InputKind::message, topic, "{}");
+    EXPECT_TRUE(fixture.logged("ignored '" + topic + "': it has a name with characters that VDA 5050 does not permit"));
+  }
+  fixture.feed(wire::InputKind::message, "uagv/v3/Acme/x/state", "{}");
+  EXPECT_TRUE(fixture.logged("ignored 'uagv/v3/Acme/x/state': it uses 'v3'; this server uses v2"));
+  const JsonValue summary = *JsonValue::parse(fixture.server->summary_json());
+  EXPECT_EQ(summary.number("messages_refused"), 3.0);
+  EXPECT_THAT(*summary.find("aivs")->array(), IsEmpty());
+}
+
+TEST_F(Reports, that_are_retained_are_counted_as_refused_but_for_connection_and_factsheet) {
+  fixture.send(vehicle, "connection", vda::encode(vehicle.connection(fixture.now, wire::ConnectionState::offline)),
+               true);
+  EXPECT_EQ(shown().text("connection"), "OFFLINE");
+  wire::Factsheet factsheet;
+  factsheet.header = vehicle.header(fixture.now, 0);
+  factsheet.series_name = "T1";
+  fixture.send(vehicle, "factsheet", vda::encode(factsheet), true);
+  EXPECT_EQ(counted("refused"), 0.0);
+  const double messages = counted("messages");
+  fixture.send(vehicle, "visualization", vda::encode(vehicle.visualization(fixture.now)), true);
+  EXPECT_EQ(counted("refused"), 1.0);
+  fixture.send(vehicle, "state", "");
+  EXPECT_EQ(counted("refused"), 1.0) << "a message that clears a topic";
+  EXPECT_EQ(counted("messages"), messages + 2.0);
+  const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(0, 1000));
+  EXPECT_EQ(traces.find("traces")->array()->back().text("kind"), "factsheet");
+  EXPECT_EQ(traces.find("traces")->array()->back().text("content"), "T1, 0 actions");
+}
+
+TEST_F(Reports, of_state_and_visualization_of_one_instant_are_one_position) {
+  fixture.now += 100ms;
+  send(next_state());
+  fixture.send(vehicle, "visualization", vda::encode(vehicle.visualization(fixture.now)));
+  EXPECT_EQ(counted("outdated"), 0.0);
+  fixture.send(vehicle, "visualization", vda::encode(vehicle.visualization(fixture.now - 1s)));
+  EXPECT_EQ(counted("outdated"), 1.0);
+  EXPECT_EQ(shown().number("age_ms"), 0.0);
+}
+
+TEST_F(Reports, of_an_implausible_position_are_refused_once_for_each_instant) {
+  fixture.now += 100ms;
+  wire::State state = next_state();
+  state.position->pose.x_m = 1e6;
+  send(state);
+  wire::Visualization same = vehicle.visualization(fixture.now);
+  same.position->pose.x_m = 1e6;
+  fixture.send(vehicle, "visualization", vda::encode(same));
+  EXPECT_EQ(counted("refused"), 1.0);
+}
+
+TEST_F(Reports, without_a_time_count_from_their_arrival) {
+  for (const double x_m : {0.6, 0.7}) {
+    fixture.now += 100ms;
+    wire::Visualization report = vehicle.visualization(fixture.now);
+    report.header.timestamp = SimTime{};
+    report.position->pose = {x_m, 0.0, 0.0};
+    fixture.send(vehicle, "visualization", vda::encode(report));
+    EXPECT_EQ(shown().find("reported")->number("x"), x_m);
+  }
+  EXPECT_EQ(counted("outdated"), 0.0);
+}
+
+TEST_F(Reports, of_a_new_session_may_begin_with_earlier_times_and_header_ids) {
+  fixture.now += 10s;
+  for (int i = 0; i < 3; ++i) {
+    fixture.now += 100ms;
+    send(next_state());
+  }
+  fixture.connection(vehicle, wire::ConnectionState::offline);
+  fixture.connection(vehicle, wire::ConnectionState::online);
+  wire::State first = next_state();
+  first.header.header_id = 0;
+  first.header.timestamp = fixture.now - 1s;
+  first.last_node_id = "first";
+  send(first);
+  EXPECT_EQ(shown().text("lastNode"), "first");
+  EXPECT_EQ(counted("outdated"), 0.0);
+  EXPECT_EQ(counted("missed"), 0.0);
+}
+
+TEST_F(Reports, of_a_vehicle_after_its_last_will_make_it_connected_after_two_seconds) {
+  fixture.connection(vehicle, wire::ConnectionState::connection_broken);
+  fixture.now += 2s;
+  send(next_state());
+  EXPECT_EQ(shown().text("connection"), "CONNECTIONBROKEN");
+  EXPECT_FALSE(fixture.logged("continues to report"));
+  fixture.now += 1ms;
+  send(next_state());
+  EXPECT_EQ(shown().text("connection"), "ONLINE");
+  EXPECT_TRUE(fixture.logged("CoSiVA/AIV1: continues to report; treated as connected"));
+}
+
+TEST_F(Reports, of_the_position_are_traced_with_the_speed) {
+  const auto traced_after = [&](const wire::Visualization& report) {
+    fixture.send(vehicle, "visualization", vda::encode(report));
+    const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(0, 1000));
+    const JsonValue& trace = traces.find("traces")->array()->back();
+    return *trace.text("kind") + " " + *trace.text("content");
+  };
+  fixture.now += 100ms;
+  wire::Visualization report = vehicle.visualization(fixture.now);
+  report.position->pose = {0.5, 0.0, 0.25};
+  report.velocity = wire::Velocity{0.3, 0.0, 0.0};
+  EXPECT_EQ(traced_after(report), R"(visualization {"x":0.5,"y":0,"theta":0.25,"speed":0.3})");
+  report.velocity.reset();
+  EXPECT_EQ(traced_after(report), R"(visualization {"x":0.5,"y":0,"theta":0.25,"speed":0})");
+  fixture.command("stop", "CoSiVA/AIV9");
+  report.position.reset();
+  EXPECT_THAT(traced_after(report), testing::StartsWith("command ")) << "nothing to show";
+}
+
+TEST_F(Reports, of_states_alone_show_the_effect_of_a_command) {
+  fixture.command("slow", "CoSiVA/AIV1", "c1");
+  const auto sent = fixture.published_on("uagv/v2/CoSiVA/AIV1/instantActions");
+  ASSERT_THAT(sent, SizeIs(1));
+  const std::string id = vda::decode_instant_actions(sent[0].payload)->actions[0].action_id;
+  EXPECT_TRUE(fixture.command_entry("c1").find("accepted_ms")->is_null());
+  EXPECT_TRUE(fixture.command_entry("c1").find("materialised_ms")->is_null());
+  fixture.now += 50ms;
+  wire::State state = next_state();
+  state.action_states = {{id, "setSpeedLimit", wire::ActionStatus::running, ""}};
+  send(state);
+  EXPECT_EQ(fixture.command_entry("c1").text("state"), "accepted");
+  EXPECT_EQ(fixture.command_entry("c1").number("accepted_ms"), 50.0);
+  fixture.now += 70ms;
+  state = next_state();
+  state.action_states = {{id, "setSpeedLimit", wire::ActionStatus::finished, "slow"}};
+  send(state);
+  const JsonValue command = fixture.command_entry("c1");
+  EXPECT_EQ(command.text("state"), "materialised");
+  EXPECT_EQ(command.text("vehicle"), "CoSiVA/AIV1");
+  EXPECT_EQ(command.text("command"), "slow");
+  EXPECT_EQ(command.text("reason"), "");
+  EXPECT_EQ(command.number("accepted_ms"), 50.0);
+  EXPECT_EQ(command.number("materialised_ms"), 120.0);
+  EXPECT_EQ(command.number("time_ms"), to_milliseconds_scaled(fixture.now - 120ms));
+}
+
+TEST_F(Reports, of_a_vehicle_without_a_position_make_it_present_more_than_a_second_after_the_first_one) {
+  FixtureVehicle& orphan = fixture.add("AIV2", {2, 0.5});
+  orphan.alive = false;
+  orphan.position_known = false;
+  const auto present_after = [&](SimDuration time) {
+    fixture.now += time;
+    fixture.send(orphan, "state", vda::encode(orphan.state(fixture.now)));
+    return *fixture.bijection().number("physical") == 2.0;
+  };
+  EXPECT_FALSE(present_after(0ms));
+  EXPECT_FALSE(present_after(1000ms));
+  EXPECT_TRUE(present_after(1ms));
+}
+
+TEST_F(Reports, that_are_missing_change_the_revision_of_the_page_when_the_vehicle_is_lost) {
+  for (int i = 0; i < 40; ++i) {
+    fixture.now += 100ms;
+    send(next_state());
+  }
+  fixture.feed(wire::InputKind::tick, "", "");
+  const ServerCore::PageRevision before = fixture.server->page_revision();
+  EXPECT_EQ(shown().flag("lost"), false);
+  fixture.now += 2s;
+  fixture.feed(wire::InputKind::tick, "", "");
+  EXPECT_EQ(shown().flag("lost"), true);
+  EXPECT_NE(fixture.server->page_revision().waited_for, before.waited_for);
+  EXPECT_EQ(fixture.server->page_revision().events, before.events);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -223,5 +223,74 @@ TEST_F(Shown, position_records_of_virtual_objects_follow_those_of_vehicles) {
   EXPECT_EQ(records[2].y_m, 0.5F);
 }
 
+TEST_F(Shown, limit_of_an_operator_is_in_metres_per_second) {
+  fixture.send_command(R"({"command":"limit","speed":0.25,"vehicle":"CoSiVA/AIV1"})");
+  fixture.run_for(500ms);
+  EXPECT_EQ(shown().number("speedLimit"), 0.25);
+}
+
+TEST_F(Shown, vehicle_that_reports_its_position_only_has_an_empty_state) {
+  FixtureVehicle& other = fixture.add("AIV2", {2, 0.5});
+  other.alive = false;
+  fixture.send(other, "visualization", vda::encode(other.visualization(fixture.now)));
+  const JsonValue json = fixture.aiv("CoSiVA/AIV2");
+  EXPECT_EQ(json.text("section"), "north");
+  EXPECT_EQ(json.number("battery"), 0.0);
+  EXPECT_EQ(json.number("age_ms"), 0.0);
+  EXPECT_EQ(json.text("lastNode"), "");
+  EXPECT_EQ(json.text("orderId"), "");
+  EXPECT_EQ(json.number("orderUpdateId"), 0.0);
+  EXPECT_EQ(json.flag("driving"), false);
+  EXPECT_THAT(*json.find("errors")->array(), IsEmpty());
+  EXPECT_THAT(*json.find("reserved")->array(), IsEmpty());
+}
+
+TEST_F(Shown, reserved_path_is_drawn_as_soon_as_an_order_is_sent) {
+  FixtureVehicle& other = fixture.add("AIV2", {2, 0.5});
+  other.alive = false;  // it does not receive the order, let alone report it
+  fixture.send(other, "state", vda::encode(other.state(fixture.now)));
+  EXPECT_THAT(*fixture.aiv("CoSiVA/AIV2").find("reserved")->array(), IsEmpty());
+  fixture.run_for(100ms);
+  EXPECT_THAT(*fixture.aiv("CoSiVA/AIV2").find("reserved")->array(), testing::Not(IsEmpty()));
+}
+
+TEST_F(Shown, vehicle_off_the_circuit_has_no_section_and_no_reserved_path) {
+  aiv.put({1.0, 0.5, 0.0});
+  fixture.run_for(500ms);
+  EXPECT_TRUE(is_null("section"));
+  EXPECT_TRUE(is_null("s"));
+  EXPECT_THAT(*shown().find("reserved")->array(), IsEmpty());
+}
+
+TEST_F(Shown, virtual_aiv_holds_the_contract_and_has_no_physical_vehicle_to_differ_from) {
+  fixture.send_command(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"north","s":0.5}})");
+  fixture.run_for(500ms);
+  const JsonValue json = fixture.aiv("CoSiVA.virtual/V1");
+  EXPECT_EQ(json.flag("augmented"), true);
+  for (const auto name : {"matched", "divergence", "age", "actual"})
+    EXPECT_EQ(json.find("contract")->flag(name), true) << name;
+  EXPECT_EQ(fixture.bijection().number("physical"), 1.0);
+  EXPECT_EQ(fixture.bijection().number("virtual"), 1.0);
+}
+
+TEST_F(Shown, position_record_of_a_vehicle_without_reports_is_lost) {
+  EXPECT_EQ(records_of(fixture, 500ms)[0].status, 1) << "stopped";
+  const auto records = records_of(fixture, 20s);
+  EXPECT_EQ(records[0].status, 5);
+  EXPECT_FALSE(records[0].blocked);
+}
+
+TEST(PositionRecords, have_the_offset_of_the_last_report_along_both_axes) {
+  ServerFixture fixture;
+  fixture.add("AIV1", {2, 0.5});
+  fixture.run_for(2s);
+  const auto now = records_of(fixture);
+  const auto later = records_of(fixture, 100ms);
+  // On the north side, at y = 1, to the left.
+  EXPECT_NEAR(now[0].y_m, 1.0F, 1e-4F);
+  EXPECT_NEAR(now[0].reported_dy_m, 0.0F, 1e-4F);
+  EXPECT_NEAR(later[0].reported_dx_m - now[0].reported_dx_m, 0.03F, 1e-5F);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -88,5 +88,31 @@ TEST(WorldCommands, are_refused_while_there_is_no_zone) {
   EXPECT_EQ(checked.error().code, "plant.zone");
 }
 
+TEST_F(World, radio_command_is_sent_once_and_names_its_vehicle) {
+  fixture.add("AIV1", {0, 0.5});
+  fixture.send_command(radio("CoSiVA/AIV1", "0.25"));
+  const auto sent = fixture.published_on(wire::plant_radio_topic);
+  ASSERT_THAT(sent, SizeIs(1));
+  EXPECT_EQ(sent[0].payload, R"({"vehicle":"CoSiVA/AIV1","loss":0.25})");
+  EXPECT_EQ(sent[0].qos, 1);
+  EXPECT_FALSE(sent[0].retained);
+}
+
+TEST_F(World, radio_command_for_a_long_name_is_refused_with_its_first_eighty_bytes) {
+  EXPECT_EQ(fixture.refusal(radio(std::string(90, 'x'), "0.5")),
+            "vehicle: no vehicle '" + std::string(80, 'x') +
+                "' is known; name it as manufacturer/serial number, or * for all");
+}
+
+TEST_F(World, commands_are_traced_with_their_content) {
+  fixture.send_command(remove("box"));
+  const JsonValue traces = *JsonValue::parse(fixture.server->traces_json(0, 1000));
+  const JsonValue& trace = traces.find("traces")->array()->back();
+  EXPECT_EQ(trace.text("from"), "AIV_Server");
+  EXPECT_EQ(trace.text("to"), "emulated world");
+  EXPECT_EQ(trace.text("kind"), "plant");
+  EXPECT_EQ(trace.text("content"), R"({"removeObstacle":"box"})");
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -2,8 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
@@ -366,6 +370,310 @@ TEST(RtmBuilds, happen_once_in_an_edit_also_where_it_is_checked_first) {
               fixture.run_for(1s);
             }),
             1U);
+}
+
+// --- the zone in force, the broker and the state file ----------------------------------------------------------------
+
+const std::string tag_edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
+
+/// What the server would restore if it were killed now.
+std::string& written_state(ServerFixture& fixture) { return fixture.memory; }
+void relink(ServerFixture& fixture) {
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.feed(wire::InputKind::link, "", "up");
+}
+void receive_zone(ServerFixture& fixture, const zone::ZoneConfiguration& zone, bool retained = false) {
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/" + zone.format, zone::to_payload(zone), retained);
+}
+void tick_after(ServerFixture& fixture, SimDuration duration) {
+  fixture.now += duration;
+  fixture.feed(wire::InputKind::tick, "", "");
+}
+/// The contents of the traces of received zones.
+std::vector<std::string> received_zones(const ServerCore& server) {
+  std::vector<std::string> found;
+  const JsonValue traces = *JsonValue::parse(server.traces_json(0, 100'000));
+  for (const JsonValue& trace : *traces.find("traces")->array())
+    if (trace.text("from") == "physical side" && trace.text("kind") == "zone") found.push_back(*trace.text("content"));
+  return found;
+}
+std::string bytes_of(const zone::ZoneConfiguration& zone) {
+  return "toml, " + std::to_string(zone.text.size()) + " bytes";
+}
+
+TEST(RetainedZones, wait_for_others_until_three_hundred_milliseconds_after_the_link_came_up) {
+  ServerFixture fixture;
+  fixture.now += 299ms;
+  receive_zone(fixture, moved_oval("yard", "0.1"), true);
+  tick_after(fixture, 0ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "oval");
+  tick_after(fixture, 1ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+}
+
+TEST(RetainedZones, are_taken_at_once_from_three_hundred_milliseconds_on) {
+  ServerFixture fixture;
+  fixture.now += 300ms;
+  receive_zone(fixture, moved_oval("yard", "0.1"), true);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+}
+
+TEST(RetainedZones, of_an_earlier_connection_are_dropped) {
+  ServerFixture fixture;
+  fixture.now += 100ms;
+  receive_zone(fixture, moved_oval("yard", "0.1"), true);
+  relink(fixture);
+  tick_after(fixture, 400ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "oval");
+}
+
+TEST(RetainedZones, confirm_the_zone_in_force_for_one_connection_only) {
+  ServerFixture fixture;
+  fixture.now += 100ms;
+  receive_zone(fixture, oval(), true);
+  relink(fixture);
+  receive_zone(fixture, moved_oval("yard", "0.1"), true);
+  tick_after(fixture, 300ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+}
+
+TEST(RetainedZones, that_are_the_edited_zone_or_its_original_confirm_the_edited_zone) {
+  for (const bool original : {false, true}) {
+    ServerFixture fixture;
+    fixture.send_command(tag_edit);
+    const zone::ZoneConfiguration edited = *fixture.server->zone_configuration();
+    relink(fixture);
+    receive_zone(fixture, original ? oval() : edited, true);
+    receive_zone(fixture, moved_oval("stale", "0.2"), true);
+    tick_after(fixture, 300ms);
+    EXPECT_EQ(fixture.server->zone_configuration()->text, edited.text) << original;
+    EXPECT_TRUE(fixture.logged("the broker retains another zone besides the one in force, on cosiva/v1/zone/toml"));
+  }
+}
+
+TEST(RetainedZones, that_wait_are_dropped_when_an_operator_switches_to_another_one) {
+  ServerFixture fixture;
+  fixture.now += 100ms;
+  receive_zone(fixture, moved_oval("stale", "0.2"), true);
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  tick_after(fixture, 300ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+}
+
+TEST(ZoneSession, publishes_its_edits_again_when_it_receives_the_original) {
+  ServerFixture fixture;
+  receive_zone(fixture, oval());
+  EXPECT_THAT(fixture.published_on("cosiva/v1/zone/toml"), SizeIs(1)) << "nothing was edited";
+  fixture.send_command(tag_edit);
+  const std::string edited = fixture.server->zone_configuration()->text;
+  ASSERT_THAT(fixture.published_on("cosiva/v1/zone/toml"), SizeIs(2));
+  receive_zone(fixture, oval());
+  const auto published = fixture.published_on("cosiva/v1/zone/toml");
+  ASSERT_THAT(published, SizeIs(3));
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(published[i].payload, edited);
+    EXPECT_TRUE(published[i].retained);
+    EXPECT_EQ(published[i].qos, 1);
+  }
+}
+
+TEST(ZoneSession, traces_the_zones_that_it_receives_but_not_its_own) {
+  ServerFixture fixture;
+  EXPECT_THAT(received_zones(*fixture.server), IsEmpty()) << "it was given one and received its own echo";
+  const zone::ZoneConfiguration yard = moved_oval("yard", "0.1");
+  receive_zone(fixture, yard);
+  EXPECT_THAT(received_zones(*fixture.server), ElementsAre(bytes_of(yard)));
+  fixture.send_command(tag_edit);
+  EXPECT_THAT(received_zones(*fixture.server), SizeIs(1));
+}
+
+TEST(ZoneSession, expects_no_echo_over_a_lost_link) {
+  ServerOptions options;
+  options.zone = oval();
+  ServerCore server{options};
+  wire::Effects effects;
+  for (const char* state : {"up", "down", "up"})
+    server.handle({virtual_epoch, wire::InputKind::link, "", state}, effects);
+  for (int i = 0; i < 2; ++i)
+    server.handle({virtual_epoch, wire::InputKind::message, "cosiva/v1/zone/toml", oval().text}, effects);
+  EXPECT_THAT(received_zones(server), ElementsAre(bytes_of(oval()))) << "the first one is the echo of the second link";
+}
+
+TEST(ZoneSession, publishes_the_zone_that_an_operator_edited_or_chose_when_the_link_comes_up_and_not_the_broker_s) {
+  ServerCore server{ServerOptions{}};
+  wire::Effects effects;
+  const auto feed = [&](wire::InputKind kind, const std::string& source, const std::string& payload) {
+    effects.clear();
+    server.handle({virtual_epoch, kind, source, payload}, effects);
+  };
+  const auto published_with_the_link = [&] {
+    feed(wire::InputKind::link, "", "down");
+    feed(wire::InputKind::link, "", "up");
+    std::vector<std::string> payloads;
+    for (const wire::Effect& effect : effects)
+      if (const auto* message = std::get_if<wire::Publish>(&effect); message != nullptr)
+        if (message->topic == "cosiva/v1/zone/toml") payloads.push_back(message->payload);
+    return payloads;
+  };
+  feed(wire::InputKind::message, "cosiva/v1/zone/toml", oval().text);
+  EXPECT_THAT(published_with_the_link(), IsEmpty());
+  feed(wire::InputKind::command, "test", tag_edit);
+  EXPECT_THAT(published_with_the_link(), ElementsAre(server.zone_configuration()->text));
+  const zone::ZoneConfiguration yard = moved_oval("yard", "0.1");
+  feed(wire::InputKind::command, "test", switch_to(yard));
+  EXPECT_THAT(published_with_the_link(), ElementsAre(yard.text));
+}
+
+TEST(ZoneSession, publishes_nothing_while_the_link_is_down) {
+  ServerFixture fixture;
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.send_command(tag_edit);
+  EXPECT_THAT(fixture.published_on("cosiva/v1/zone/toml"), SizeIs(1)) << "from the start";
+  fixture.feed(wire::InputKind::link, "", "up");
+  const auto published = fixture.published_on("cosiva/v1/zone/toml");
+  ASSERT_THAT(published, SizeIs(2));
+  EXPECT_EQ(published[1].payload, fixture.server->zone_configuration()->text);
+}
+
+TEST(ZoneSession, refuses_an_unusable_zone_of_the_broker_and_retains_its_edits) {
+  ServerFixture fixture;
+  fixture.send_command(tag_edit);
+  fixture.now += 250ms;
+  receive_zone(fixture, {"toml", "x", "name = 7", ""});
+  const JsonValue zone = zone_of(fixture);
+  EXPECT_EQ(zone.text("name"), "oval");
+  EXPECT_EQ(zone.number("revision"), 2.0);
+  EXPECT_EQ(zone.find("refused")->text("origin"), "cosiva/v1/zone/toml");
+  EXPECT_EQ(zone.find("refused")->number("at"), to_milliseconds_scaled(fixture.now));
+  EXPECT_TRUE(zone.find("switched")->is_null());
+  EXPECT_EQ(JsonValue::parse(fixture.server->summary_json())->number("messages_refused"), 1.0);
+  EXPECT_EQ(fixture.snapshot().find("zoneEdits")->number("undo"), 1.0);
+  EXPECT_TRUE(fixture.logged("; the previous zone stays in force"));
+  fixture.send_command(R"({"command":"undo"})");
+  EXPECT_TRUE(zone_of(fixture).find("refused")->is_null());
+}
+
+TEST(ZoneSession, ends_its_edits_with_a_zone_of_the_broker) {
+  ServerFixture fixture;
+  fixture.send_command(tag_edit);
+  EXPECT_EQ(fixture.snapshot().find("zoneEdits")->flag("unsaved"), true);
+  receive_zone(fixture, moved_oval("yard", "0.1"));
+  const JsonValue edits = *fixture.snapshot().find("zoneEdits");
+  EXPECT_EQ(edits.number("undo"), 0.0);
+  EXPECT_EQ(edits.number("redo"), 0.0);
+  EXPECT_EQ(edits.flag("unsaved"), false);
+  EXPECT_EQ(zone_of(fixture).find("switched")->text("from"), "oval");
+  EXPECT_EQ(zone_of(fixture).find("switched")->number("at"), to_milliseconds_scaled(fixture.now));
+}
+
+TEST(ZoneSession, applies_edited_priorities_to_present_and_to_later_vehicles_and_is_the_same_zone) {
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.run_for(1s);
+  fixture.send_command(R"({"command":"edit","edit":{"priorities":{"CoSiVA/AIV1":5,"CoSiVA/AIV2":7}}})");
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("priority"), 5.0);
+  EXPECT_TRUE(zone_of(fixture).find("switched")->is_null()) << "its geometry is the same";
+  fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(100ms);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").number("priority"), 7.0);
+}
+
+TEST(ZoneSession, lists_closed_sections_and_they_persist_at_once) {
+  ServerFixture fixture;
+  const auto closed = [&] {
+    std::vector<std::string> names;
+    const JsonValue zone = zone_of(fixture);
+    for (const JsonValue& name : *zone.find("closed")->array()) names.push_back(*name.text());
+    return names;
+  };
+  EXPECT_THAT(closed(), IsEmpty());
+  fixture.send_command(R"({"command":"close","section":"east"})");
+  EXPECT_THAT(closed(), ElementsAre("east"));
+  EXPECT_THAT(written_state(fixture), HasSubstr(R"("traffic":{"zone":"oval","closed":["east"],"missions":[]})"));
+  fixture.send_command(R"({"command":"open","section":"east"})");
+  EXPECT_THAT(closed(), IsEmpty());
+  EXPECT_THAT(written_state(fixture), testing::Not(HasSubstr("traffic")));
+}
+
+TEST(ZoneSession, shows_that_there_is_no_zone_yet) {
+  const JsonValue zone = *JsonValue::parse(ServerCore{ServerOptions{}}.snapshot_json())->find("zone");
+  EXPECT_TRUE(zone.find("name")->is_null());
+  EXPECT_EQ(zone.number("revision"), 0.0);
+  EXPECT_THAT(*zone.find("closed")->array(), IsEmpty());
+  EXPECT_TRUE(zone.find("refused")->is_null());
+  EXPECT_TRUE(zone.find("switched")->is_null());
+}
+
+TEST(Switch, shows_vehicles_as_stopped_until_they_report) {
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  FixtureVehicle& lost = fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(2s);
+  lost.position_known = false;
+  lost.state_due = true;
+  fixture.run_for(200ms);
+  ASSERT_GT(*fixture.aiv("CoSiVA/AIV1").number("speed"), 0.0);
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").number("speed"), 0.0);
+  EXPECT_TRUE(fixture.aiv("CoSiVA/AIV2").find("section")->is_null());
+}
+
+TEST(Switch, persists_at_once_until_the_broker_brings_another_zone) {
+  ServerFixture fixture;
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  const JsonValue state = *JsonValue::parse(written_state(fixture));
+  EXPECT_EQ(state.find("given")->text("text"), oval().text);
+  EXPECT_EQ(state.find("zone")->find("base")->text("text"), moved_oval("yard", "0.1").text);
+  EXPECT_EQ(state.find("zone")->find("made")->text("text"), moved_oval("yard", "0.1").text);
+  receive_zone(fixture, moved_oval("third", "0.2"));
+  const JsonValue after = *JsonValue::parse(written_state(fixture));
+  EXPECT_EQ(after.find("given"), nullptr);
+  EXPECT_EQ(after.find("zone"), nullptr);
+}
+
+TEST(Switch, without_an_edit_is_restored_without_an_edit) {
+  ServerFixture fixture;
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  fixture.restart_server(true);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  EXPECT_TRUE(zone_of(fixture).find("switched")->is_null()) << "no vehicle was there";
+  EXPECT_EQ(fixture.snapshot().find("zoneEdits")->number("undo"), 0.0);
+  EXPECT_EQ(fixture.snapshot().find("zoneEdits")->flag("unsaved"), false);
+  fixture.send_command(tag_edit);
+  const JsonValue state = *JsonValue::parse(written_state(fixture));
+  ASSERT_NE(state.find("given"), nullptr) << "for the next restart";
+  EXPECT_EQ(state.find("given")->text("text"), oval().text);
+}
+
+TEST(Switch, is_not_restored_where_the_options_give_a_third_zone) {
+  ServerFixture fixture;
+  fixture.send_command(switch_to(moved_oval("yard", "0.1")));
+  ServerFixture other{moved_oval("third", "0.3")};
+  written_state(other) = written_state(fixture);
+  other.restart_server(true);
+  EXPECT_EQ(zone_of(other).text("name"), "third");
+  EXPECT_TRUE(other.logged("the zone is not the one that the persisted edits were made on; they are skipped"));
+}
+
+TEST(ZoneSession, publishes_restored_edits_when_it_receives_their_original) {
+  ServerFixture fixture;
+  fixture.send_command(tag_edit);
+  const std::string edited = fixture.server->zone_configuration()->text;
+  for (const bool original : {true, false}) {
+    ServerCore server{ServerOptions{}};
+    wire::Effects effects;
+    server.handle({fixture.now, wire::InputKind::restore, "", written_state(fixture)}, effects);
+    server.handle({fixture.now, wire::InputKind::link, "", "up"}, effects);
+    effects.clear();
+    server.handle({fixture.now, wire::InputKind::message, "cosiva/v1/zone/toml", original ? oval().text : edited, true},
+                  effects);
+    const auto published = std::ranges::count_if(effects, [&](const wire::Effect& effect) {
+      const auto* message = std::get_if<wire::Publish>(&effect);
+      return message != nullptr && message->payload == edited && message->retained;
+    });
+    EXPECT_EQ(published, original ? 1 : 0);
+    EXPECT_EQ(server.zone_configuration()->text, edited);
+  }
 }
 
 }  // namespace

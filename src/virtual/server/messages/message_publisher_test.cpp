@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <variant>
@@ -192,6 +193,136 @@ TEST_F(Published, log_message_and_state_file_are_effects) {
   EXPECT_THAT(effects, ElementsAre(wire::Effect{wire::Log{'w', "attention"}},
                                    wire::Effect{wire::Publish{"a/topic", "text", 1, true}},
                                    wire::Effect{wire::Persist{"bytes"}}));
+}
+
+TEST_F(Published, messages_state_the_version_that_the_vehicle_uses) {
+  wire::Header received;
+  received.version = "2.0.0";
+  EXPECT_EQ(registry[0].received.on_header(VehicleTopic::state, received), 0U);
+  wire::Order order;
+  order.order_id = "O-1";
+  (void)publisher.send(registry[0], std::move(order), "");
+  send(0, {action("startPause")});
+  ASSERT_THAT(messages(), SizeIs(2));
+  EXPECT_EQ(vda::decode_order(messages()[0].payload)->header.version, "2.0.0");
+  EXPECT_EQ(actions()[0].header, (wire::Header{0, now, "2.0.0", "CoSiVA", "AIV1"}));
+}
+
+TEST_F(Published, messages_of_each_vehicle_and_topic_are_counted_by_themselves) {
+  (void)publisher.send(registry[0], wire::Order{}, "");
+  (void)publisher.send(registry[0], wire::Order{}, "");
+  send(0, {action("startPause")});
+  send(1, {action("startPause")});
+  EXPECT_EQ(registry[0].sent.order, 2U);
+  EXPECT_EQ(registry[0].sent.actions, 1U);
+  EXPECT_EQ(registry[1].sent.order, 0U);
+  EXPECT_EQ(registry[1].sent.actions, 1U);
+}
+
+TEST_F(Published, nothing_goes_to_a_vehicle_that_was_handed_over) {
+  registry[0].membership.on_handed_over(now);
+  (void)publisher.send(registry[0], wire::Order{}, "");
+  send(0, {action("startPause")});
+  EXPECT_THAT(messages(), SizeIs(0));
+  EXPECT_EQ(registry[0].sent.order, 0U);
+  EXPECT_EQ(registry[0].sent.actions, 0U);
+  send(1, {action("startPause")});
+  EXPECT_THAT(messages(), SizeIs(1));
+}
+
+TEST_F(Published, messages_are_traced_from_the_server_to_the_vehicle_with_their_text) {
+  (void)publisher.send(registry[0], wire::Order{}, "an order");
+  send(1, {action("startPause")});
+  ASSERT_THAT(messages(), SizeIs(2));
+  const std::vector<std::string> names{"CoSiVA/AIV1", "CoSiVA/AIV2"};
+  const std::vector<std::string> kinds{"order", "instantActions"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const JsonValue trace = *JsonValue::parse(*traces.one_json(i + 1));
+    EXPECT_EQ(trace.text("from"), "AIV_Server");
+    EXPECT_EQ(trace.text("to"), names[i]);
+    EXPECT_EQ(trace.text("kind"), kinds[i]);
+    EXPECT_EQ(trace.text("topic"), messages()[i].topic);
+    EXPECT_EQ(trace.text("raw"), messages()[i].payload);
+  }
+  EXPECT_EQ(messages()[1].topic, "uagv/v2/CoSiVA/AIV2/instantActions");
+  EXPECT_EQ(messages()[1].qos, 0);
+  EXPECT_FALSE(messages()[1].retained);
+}
+
+TEST_F(Published, decisions_are_traced_without_a_message) {
+  publisher.explain(registry[1], "wait", "waits for another vehicle");
+  EXPECT_THAT(effects, SizeIs(0));
+  EXPECT_EQ(last_trace().text("from"), "AIV_Server");
+  EXPECT_EQ(last_trace().text("to"), "CoSiVA/AIV2");
+  EXPECT_EQ(last_trace().text("kind"), "wait");
+  EXPECT_EQ(last_trace().text("content"), "waits for another vehicle");
+  EXPECT_EQ(last_trace().text("topic"), "");
+}
+
+TEST_F(Published, orders_passed_on_as_values_are_repeated_as_values_with_the_next_header_id) {
+  MessagePublisher in_process{traces, true};
+  in_process.open(now, effects);
+  wire::Order order;
+  order.order_id = "O-1";
+  auto sent = in_process.send(registry[0], std::move(order), "");
+  in_process.send_again(registry[0], sent);
+  ASSERT_THAT(messages(), SizeIs(2));
+  const auto* repeated = wire::value_as<wire::Order>(messages()[1].typed);
+  ASSERT_NE(repeated, nullptr);
+  EXPECT_EQ(repeated->order_id, "O-1");
+  EXPECT_EQ(repeated->header.header_id, 1U);
+  EXPECT_EQ(wire::value_as<wire::Order>(sent), repeated) << "the last one that was sent";
+  EXPECT_TRUE(last_trace().find("raw")->is_null());
+}
+
+TEST_F(Published, actions_that_a_vehicle_lists_are_followed_by_their_id) {
+  const auto handle = send(0, {action("startPause"), action("stopPause")}, 2s, true);
+  const std::string id = actions()[0].actions[0].action_id;
+  sender.on_state(0, with({{id + ".1", "stopPause", wire::ActionStatus::failed, "no"}}));
+  const auto* pending = sender.find(handle);
+  ASSERT_NE(pending, nullptr);
+  EXPECT_FALSE(pending->actions[0].detected);
+  EXPECT_EQ(pending->actions[0].status, wire::ActionStatus::waiting);
+  EXPECT_TRUE(pending->actions[1].detected);
+  EXPECT_EQ(pending->actions[1].status, wire::ActionStatus::failed);
+  EXPECT_EQ(pending->actions[1].result, "no");
+  EXPECT_EQ(pending->vehicle, 0U);
+}
+
+TEST_F(Published, action_of_one_vehicle_is_not_forgotten_by_a_state_of_another) {
+  const auto handle = send(0, {action("startPause")}, 2s);
+  const std::string id = actions()[0].actions[0].action_id;
+  sender.on_state(1, with({{id, "startPause", wire::ActionStatus::finished, ""}}));
+  EXPECT_NE(sender.find(handle), nullptr);
+  sender.on_state(0, with({{id, "startPause", wire::ActionStatus::finished, ""}}));
+  EXPECT_EQ(sender.find(handle), nullptr);
+}
+
+TEST_F(Published, actions_dropped_are_not_repeated_while_the_others_are) {
+  const auto first = send(0, {action("startPause")}, 2s, true);
+  const auto second = send(0, {action("stopPause")}, 2s, true);
+  sender.drop(first);
+  EXPECT_NE(sender.find(second), nullptr);
+  pass(300ms);
+  sender.tick(registry, true);
+  ASSERT_THAT(actions(), SizeIs(3));
+  EXPECT_EQ(actions()[2].actions[0].action_type, "stopPause");
+}
+
+TEST_F(Published, repetition_of_an_action_has_the_header_of_its_own_time) {
+  send(0, {action("startPause")});
+  pass(300ms);
+  sender.tick(registry, true);
+  ASSERT_THAT(actions(), SizeIs(2));
+  EXPECT_EQ(actions()[1].header.header_id, 1U);
+  EXPECT_EQ(actions()[1].header.timestamp, virtual_epoch + 300ms);
+}
+
+TEST_F(Published, actions_are_at_least_one) { EXPECT_DEATH(send(0, {}), "actions.empty"); }
+
+TEST_F(Published, messages_need_an_input_to_which_they_belong) {
+  MessagePublisher unopened{traces};
+  EXPECT_DEATH(unopened.log('i', "too early"), "effects_ != nullptr");
 }
 
 TEST(UniqueId, is_the_time_in_milliseconds_to_base_36) {

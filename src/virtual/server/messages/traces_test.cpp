@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "cosiva/base/json_value.h"
@@ -143,6 +147,101 @@ TEST(Traces, without_a_budget_store_no_text) {
   add(traces, "a", "{}");
   EXPECT_TRUE(one(traces, 1).find("raw")->is_null());
   EXPECT_EQ(one(traces, 1).text("content"), "a");
+}
+
+std::string content_shown(const std::string& content) {
+  Traces traces{1};
+  add(traces, content);
+  return one(traces, 1).text("content").value_or("?");
+}
+
+TEST(Traces, cut_a_content_after_200_bytes) {
+  EXPECT_EQ(content_shown(std::string(200, 'x')), std::string(200, 'x'));
+  EXPECT_EQ(content_shown(std::string(201, 'x')), std::string(200, 'x'));
+}
+
+TEST(Traces, cut_no_character_in_two) {
+  // "ü" has two bytes in UTF-8, "€" three.
+  EXPECT_EQ(content_shown(std::string(199, 'x') + "üy"), std::string(199, 'x'));
+  EXPECT_EQ(content_shown(std::string(198, 'x') + "üy"), std::string(198, 'x') + "ü");
+  EXPECT_EQ(content_shown(std::string(199, 'x') + "€y"), std::string(199, 'x'));
+  EXPECT_EQ(content_shown(std::string(198, 'x') + "€y"), std::string(198, 'x'));
+  EXPECT_EQ(content_shown(std::string(197, 'x') + "€y"), std::string(197, 'x') + "€");
+}
+
+TEST(Traces, show_nothing_of_a_long_content_in_which_no_character_begins) {
+  EXPECT_EQ(content_shown(std::string(300, '\x80')), "");
+}
+
+TEST(Traces, write_positions_to_the_thousandth) {
+  Traces traces{10};
+  traces.add_position(virtual_epoch, "a", "b", "visualization", {1.2344, -2.0006, 0.12351}, 0.3996);
+  EXPECT_EQ(one(traces, 1).text("content"), R"({"x":1.234,"y":-2.001,"theta":0.124,"speed":0.4})");
+  EXPECT_EQ(one(traces, 1).text("topic"), "");
+  EXPECT_TRUE(one(traces, 1).find("raw")->is_null());
+}
+
+TEST(Traces, store_a_text_where_a_position_was_and_a_position_where_a_text_was) {
+  Traces traces{1};
+  traces.add_position(virtual_epoch, "a", "b", "visualization", {1.0, 2.0, 0.5}, 0.25, "t", "{}");
+  add(traces, "driving");
+  EXPECT_EQ(one(traces, 2).text("content"), "driving");
+  EXPECT_TRUE(one(traces, 2).find("raw")->is_null());
+  traces.add_position(virtual_epoch, "a", "b", "visualization", {3.0, 4.0, 0.5}, 0.25);
+  EXPECT_EQ(one(traces, 3).text("content"), R"({"x":3,"y":4,"theta":0.5,"speed":0.25})");
+}
+
+TEST(Traces, store_at_least_one) {
+  Traces traces{0};
+  add(traces, "first");
+  add(traces, "second");
+  EXPECT_EQ(traces.oldest(), 2U);
+  EXPECT_EQ(one(traces, 2).text("content"), "second");
+}
+
+TEST(Traces, list_nothing_before_the_first_one) {
+  const Traces traces{3};
+  EXPECT_EQ(traces.to_json(0, 10), R"({"next":1,"oldest":1,"traces":[]})");
+}
+
+TEST(Traces, list_as_many_as_are_requested_and_state_where_to_go_on) {
+  Traces traces{10};
+  for (int i = 1; i <= 5; ++i) add(traces, std::to_string(i));
+  const auto listed = [&](std::uint64_t after, std::size_t limit) {
+    const JsonValue all = *JsonValue::parse(traces.to_json(after, limit));
+    std::string contents;
+    for (const JsonValue& trace : *all.find("traces")->array()) contents += trace.text("content").value_or("?");
+    return contents + " " + std::to_string(static_cast<int>(all.number("next").value()));
+  };
+  EXPECT_EQ(listed(2, 2), "23 4");
+  EXPECT_EQ(listed(0, 3), "123 4");
+  EXPECT_EQ(listed(4, 2), "45 6");
+  EXPECT_EQ(listed(5, 2), "5 6");
+  EXPECT_EQ(listed(6, 2), " 6");
+  EXPECT_EQ(listed(1, 0), " 1");
+}
+
+TEST(Traces, list_sender_receiver_and_kind) {
+  Traces traces{10};
+  traces.add(virtual_epoch, "Simulator", "RTM", "request", "zone");
+  const JsonValue all = *JsonValue::parse(traces.to_json(1, 1));
+  const JsonValue& trace = all.find("traces")->array()->front();
+  EXPECT_EQ(trace.text("from"), "Simulator");
+  EXPECT_EQ(trace.text("to"), "RTM");
+  EXPECT_EQ(trace.text("kind"), "request");
+  EXPECT_EQ(one(traces, 1).text("to"), "RTM");
+}
+
+TEST(Traces, store_a_text_that_fills_the_budget_but_none_that_exceeds_it) {
+  Traces traces{10, 10};
+  add(traces, "", std::string(10, 'a'));
+  EXPECT_EQ(raw(traces, 1), std::string(10, 'a'));
+  add(traces, "", std::string(11, 'b'));
+  EXPECT_EQ(raw(traces, 2), std::nullopt);
+  EXPECT_EQ(raw(traces, 1), std::string(10, 'a')) << "nothing was overwritten";
+  add(traces, "", "c");
+  EXPECT_EQ(raw(traces, 1), std::nullopt) << "its first byte was overwritten";
+  EXPECT_EQ(raw(traces, 3), "c");
 }
 
 }  // namespace

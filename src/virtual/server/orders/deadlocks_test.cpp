@@ -3,6 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/testing/orders_fixture.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 #include "cosiva/zone/check/deadlock.h"
 
@@ -342,6 +350,181 @@ TEST_F(SideBySide, a_few_millimetres_apart_is_resolved_by_backing_up) {
   // A vehicle that stopped at once because of the close vehicle would not be commanded to back up again.
   EXPECT_EQ(backed_up(fixture, *fixture.vehicles[0]), 1U);
   for (const auto& vehicle : fixture.vehicles) EXPECT_GT(vehicle->driven_m, 3.0) << vehicle->id.serial_number;
+}
+
+// --- the exact times ------------------------------------------------------------------------------------------------
+
+/// The four vehicles of FourArms without a server: none of them moves, and each tick is 100 ms.
+struct FourStill {
+  FourStill() {
+    manager.set_map(&*orders.map);
+    for (const zone::SectionId straight : {0U, 2U, 4U, 6U}) {
+      const VehicleIndex v = orders.add_at("AIV" + std::to_string(straight / 2 + 1), {straight, 0.6});
+      manager.resize(orders.server.registry.size());
+      manager.set_reported_pose(v, orders.positions.reported(v));
+    }
+    tick();
+  }
+  void tick() {
+    manager.tick(true, true, 1h);
+    deadlocks.tick();
+  }
+  void run_for(SimDuration duration) {
+    for (; duration > SimDuration::zero(); duration -= 100ms) {
+      orders.pass(100ms);
+      tick();
+    }
+  }
+  [[nodiscard]] JsonValue json() const {
+    JsonWriter text;
+    deadlocks.write(text);
+    return *JsonValue::parse(text.text());
+  }
+  [[nodiscard]] JsonValue::Array list() const { return *json().find("list")->array(); }
+  [[nodiscard]] std::vector<std::string> lines_with(std::string_view phrase) const {
+    std::vector<std::string> lines = orders.logs();
+    std::erase_if(lines, [&](const std::string& line) { return line.find(phrase) == std::string::npos; });
+    return lines;
+  }
+  [[nodiscard]] std::string digest() const {
+    Digest digest;
+    deadlocks.fold(digest);
+    return digest.hex();
+  }
+  OrdersFixture orders{zone_file("lacet4.toml")};
+  OrderManager manager{orders.server.registry, orders.traffic,  orders.server.publisher,
+                       orders.actions,         orders.missions, orders.server.simulator};
+  Deadlocks deadlocks{orders.server.registry, orders.server.publisher, orders.server.traces, manager};
+};
+
+TEST(CycleOfFour, is_a_deadlock_after_two_seconds) {
+  FourStill four;
+  EXPECT_EQ(four.deadlocks.counters().cycles, 1U);
+  EXPECT_THAT(four.deadlocks.list(), IsEmpty());
+  ASSERT_THAT(four.list(), SizeIs(1));
+  EXPECT_EQ(four.list()[0].text("state"), "forming");
+  EXPECT_EQ(four.list()[0].number("number"), 0.0);
+  four.run_for(1900ms);
+  EXPECT_EQ(four.deadlocks.counters().detected, 0U);
+  four.run_for(100ms);
+  EXPECT_EQ(four.deadlocks.counters().detected, 1U);
+  EXPECT_EQ(four.deadlocks.counters().cycles, 1U);
+  EXPECT_EQ(four.deadlocks.open(), 1U);
+  EXPECT_EQ(four.deadlocks.unresolved(), 0U);
+  ASSERT_THAT(four.deadlocks.list(), SizeIs(1));
+  EXPECT_EQ(four.deadlocks.list()[0].state, Deadlock::State::yielding);
+  EXPECT_THAT(four.deadlocks.list()[0].members, ElementsAre(0U, 1U, 2U, 3U));
+  EXPECT_THAT(four.deadlocks.list()[0].how, HasSubstr(" backs up "));
+  int yielding = 0;
+  for (VehicleIndex v = 0; v < 4; ++v) yielding += four.manager.yields(v) ? 1 : 0;
+  EXPECT_EQ(yielding, 1);
+}
+
+TEST(CycleOfFour, is_listed_with_its_members_and_counted) {
+  FourStill four;
+  four.run_for(2s);
+  const JsonValue json = four.json();
+  EXPECT_EQ(json.number("cycles"), 1.0);
+  EXPECT_EQ(json.number("detected"), 1.0);
+  EXPECT_EQ(json.number("resolved"), 0.0);
+  EXPECT_EQ(json.number("open"), 1.0);
+  EXPECT_EQ(json.number("unresolved"), 0.0);
+  EXPECT_EQ(json.number("longest_s"), 0.0) << "it has not ended yet";
+  EXPECT_EQ(json.number("longest_wait_s"), 2.0);
+  ASSERT_THAT(four.list(), SizeIs(1));
+  const JsonValue deadlock = four.list()[0];
+  EXPECT_EQ(deadlock.number("number"), 1.0);
+  EXPECT_EQ(deadlock.text("state"), "yielding");
+  EXPECT_THAT(members(deadlock), ElementsAre("CoSiVA/AIV1", "CoSiVA/AIV2", "CoSiVA/AIV3", "CoSiVA/AIV4"));
+  EXPECT_FALSE(deadlock.number("ended_ms").has_value());
+  EXPECT_THAT(four.lines_with("deadlock 1: CoSiVA/AIV1 waits for X"), SizeIs(1));
+}
+
+TEST(CycleOfFour, that_opens_for_600_ms_counts_as_closed_throughout) {
+  FourStill four;
+  four.run_for(1s);
+  four.orders.proxy(2).settings.on_cancel();
+  four.run_for(500ms);
+  four.orders.proxy(2).settings.on_mission();
+  four.run_for(400ms);
+  EXPECT_EQ(four.deadlocks.counters().detected, 0U);
+  four.run_for(100ms);
+  EXPECT_EQ(four.deadlocks.counters().detected, 1U);
+  EXPECT_EQ(four.deadlocks.counters().cycles, 1U);
+}
+
+TEST(CycleOfFour, that_opens_for_longer_has_dissolved) {
+  FourStill four;
+  four.run_for(1s);
+  four.orders.proxy(2).settings.on_cancel();
+  four.run_for(600ms);
+  EXPECT_THAT(four.list(), SizeIs(1));
+  four.run_for(100ms);
+  EXPECT_THAT(four.list(), IsEmpty());
+  four.orders.proxy(2).settings.on_mission();
+  four.run_for(2s);
+  EXPECT_EQ(four.deadlocks.counters().cycles, 2U);
+  EXPECT_EQ(four.deadlocks.counters().detected, 0U) << "two seconds after it has closed again";
+  four.run_for(100ms);
+  EXPECT_EQ(four.deadlocks.counters().detected, 1U);
+}
+
+TEST(CycleOfFour, ends_when_the_zone_is_switched) {
+  FourStill four;
+  four.run_for(2s);
+  const std::string before = four.digest();
+  const std::uint64_t revision = four.deadlocks.revision();
+  const std::string how = four.deadlocks.list()[0].how;
+  four.deadlocks.forget();
+  ASSERT_THAT(four.deadlocks.list(), SizeIs(1));
+  EXPECT_EQ(four.deadlocks.list()[0].state, Deadlock::State::resolved);
+  EXPECT_EQ(four.deadlocks.list()[0].how, "the zone was switched");
+  EXPECT_EQ(four.deadlocks.list()[0].ended_at, four.orders.now);
+  EXPECT_EQ(four.deadlocks.counters().resolved, 1U);
+  EXPECT_EQ(four.deadlocks.counters().longest, 2s);
+  EXPECT_EQ(four.deadlocks.open(), 0U);
+  EXPECT_NE(four.digest(), before);
+  EXPECT_GT(four.deadlocks.revision(), revision);
+  EXPECT_EQ(four.orders.logs().back(), "i deadlock 1 is resolved after 2 s: " + how);
+  four.deadlocks.forget();
+  EXPECT_EQ(four.deadlocks.counters().resolved, 1U) << "once";
+}
+
+TEST(CycleOfFour, that_no_vehicle_can_open_is_an_error_once) {
+  FourStill four;
+  for (VehicleIndex v = 0; v < 4; ++v) four.orders.proxy(v).factsheet.on_factsheet(wire::Factsheet{});
+  four.run_for(2s);
+  EXPECT_EQ(four.deadlocks.unresolved(), 1U);
+  EXPECT_EQ(four.deadlocks.open(), 1U);
+  const std::vector<std::string> errors = four.lines_with("is unresolved");
+  ASSERT_THAT(errors, SizeIs(1));
+  EXPECT_EQ(errors[0], "e deadlock 1 is unresolved: " + four.deadlocks.list()[0].reason +
+                           "; none of its vehicles can yield; remove one of them, or close a section");
+  four.run_for(11s);
+  EXPECT_THAT(four.lines_with("is unresolved"), SizeIs(1));
+  EXPECT_EQ(four.deadlocks.unresolved(), 1U);
+}
+
+TEST(CycleOfFour, that_no_vehicle_could_open_is_tried_again_after_five_seconds) {
+  FourStill four;
+  for (VehicleIndex v = 0; v < 4; ++v) four.orders.proxy(v).factsheet.on_factsheet(wire::Factsheet{});
+  four.run_for(2s);
+  wire::Factsheet factsheet;
+  factsheet.actions = {{"backUp", "", true, false, false, {}}};
+  for (VehicleIndex v = 0; v < 4; ++v) four.orders.proxy(v).factsheet.on_factsheet(factsheet);
+  four.run_for(4900ms);
+  EXPECT_EQ(four.deadlocks.unresolved(), 1U);
+  four.run_for(100ms);
+  EXPECT_EQ(four.deadlocks.unresolved(), 0U);
+  EXPECT_EQ(four.deadlocks.list()[0].state, Deadlock::State::yielding);
+}
+
+TEST(CycleOfFour, is_opened_by_the_member_with_the_lowest_priority) {
+  FourStill four;
+  for (const VehicleIndex v : {0U, 2U, 3U}) four.orders.proxy(v).settings.set_priority(5);
+  four.run_for(2s);
+  EXPECT_TRUE(four.manager.yields(1));
+  EXPECT_THAT(four.deadlocks.list()[0].how, testing::StartsWith("CoSiVA/AIV2 backs up "));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -142,6 +143,92 @@ TEST_F(OffPathBody, obstructs_with_the_whole_area_of_its_entry_for_five_seconds)
   EXPECT_EQ(obstruction(1.2), joining);
   orders.pass(1ms);
   EXPECT_EQ(obstruction(1.2), no_vehicle);
+}
+
+TEST_F(Joins, the_path_by_a_command_that_is_repeated_for_less_than_three_seconds) {
+  try_after(1s);
+  ASSERT_THAT(commanded(), SizeIs(1));
+  EXPECT_EQ(commanded()[0].blocking_type, wire::BlockingType::hard);
+  orders.pass(2999ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_THAT(commanded(), SizeIs(2));
+  orders.pass(301ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_THAT(commanded(), SizeIs(2));
+}
+
+TEST(JoinsToMakeRoom, after_four_seconds_where_it_cannot_continue_from_any_position) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", 0.9), 0.25);
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("south", 1.0));
+  orders.add_at("AIV3", orders.at("south", 1.3));
+  orders.waits.wait_for(vehicle, other, WaitReason::off_path);
+  orders.waits.record(vehicle, true, orders.now);
+  const auto commanded_after = [&](SimDuration duration) {
+    orders.pass(duration);
+    orders.joins.try_other_positions(vehicle);
+    return orders.actions_to(vehicle, "joinLine");
+  };
+  EXPECT_THAT(commanded_after(1s), IsEmpty()) << "the other vehicle is ahead of every free position";
+  EXPECT_FALSE(orders.traffic.track_position(vehicle).has_value()) << "a position only tried keeps no vehicle away";
+  EXPECT_THAT(commanded_after(2999ms), IsEmpty());
+  const auto commanded = commanded_after(1ms);
+  ASSERT_THAT(commanded, SizeIs(1));
+  EXPECT_NEAR(*commanded[0].number("x"), 0.75, 1e-9) << "the nearest free position";
+}
+
+/// The vehicle that keeps another one from joining the path at `s_m`, from the right; it joins at 1.0 m itself, from
+/// the left, in the given manner.
+VehicleIndex obstructs_entry(double s_m, const std::function<bool(OrdersFixture&, VehicleIndex)>& joins) {
+  OrdersFixture orders;
+  const VehicleIndex first = orders.add_off_path("AIV1", orders.at("south", 1.0), 0.25);
+  EXPECT_TRUE(joins(orders, first));
+  const VehicleIndex second = orders.add_off_path("AIV2", orders.at("south", s_m), -0.25);
+  return orders.joins.obstructs_line_entry(second, orders.at("south", s_m));
+}
+
+TEST(EntriesOfTwoVehicles, keep_two_half_diagonals_and_two_centimetres_apart) {
+  // Half the diagonal of 0.20 m by 0.12 m is 0.1166 m: 0.2532 m.
+  const auto with_order = [](OrdersFixture& orders, VehicleIndex first) { return orders.extend(first); };
+  EXPECT_EQ(obstructs_entry(1.0 - 0.250, with_order), 0U);
+  EXPECT_EQ(obstructs_entry(1.0 - 0.256, with_order), no_vehicle);
+  const auto by_action = [](OrdersFixture& orders, VehicleIndex first) {
+    return orders.joins.join_elsewhere(first, false, 0.45);
+  };
+  EXPECT_EQ(obstructs_entry(1.0 - 0.250, by_action), 0U);
+  EXPECT_EQ(obstructs_entry(1.0 - 0.256, by_action), no_vehicle);
+}
+
+TEST(EntriesOfTwoVehicles, do_not_conflict_while_the_other_one_is_not_sent) {
+  const auto not_sent = [](OrdersFixture& orders, VehicleIndex first) {
+    orders.positions.set_entry_point(first, orders.at("south", 1.0));
+    return true;
+  };
+  EXPECT_EQ(obstructs_entry(1.0 - 0.250, not_sent), no_vehicle);
+}
+
+TEST_F(OffPathBody, next_to_the_vehicle_may_be_passed_at_the_present_clearance) {
+  const VehicleIndex side = orders.add_off_path("agv-1", orders.at("south", 0.29), 0.12 + 0.02, 0.0, "Acme");
+  EXPECT_EQ(obstruction(1.2), no_vehicle);
+  orders.proxy(side).membership.on_retired();
+  const VehicleIndex front = orders.add_off_path("agv-2", orders.at("south", 0.45), 0.12 + 0.02, 0.0, "Acme");
+  EXPECT_EQ(obstruction(1.2), front) << "its front end is ahead";
+}
+
+TEST_F(OffPathBody, behind_the_vehicle_or_before_the_stretch_does_not_count) {
+  orders.add_off_path("agv-1", orders.at("south", 0.0), 0.15, 0.0, "Acme");
+  EXPECT_EQ(orders.joins.off_path_obstruction(vehicle, -0.3, 0.2), no_vehicle);
+  orders.add_off_path("agv-2", orders.at("south", 0.42), 0.15, 0.0, "Acme");
+  EXPECT_EQ(orders.joins.off_path_obstruction(vehicle, 0.6, 0.8), no_vehicle);
+  EXPECT_NE(orders.joins.off_path_obstruction(vehicle, 0.0, 0.8), no_vehicle);
+}
+
+TEST_F(Joins, no_position_from_which_a_body_next_to_the_path_would_soon_stop_it) {
+  // From 1.25 m on, the free positions are in front of the other vehicle; 0.5 m further a body obstructs the path.
+  orders.add_off_path("AIV3", orders.at("south", 1.95), 0.15);
+  try_after(1s);
+  EXPECT_THAT(commanded(), IsEmpty());
+  EXPECT_NEAR(orders.positions.reported(vehicle).position->s_m, 1.0, 1e-9) << "its position as before";
 }
 
 }  // namespace

@@ -196,5 +196,42 @@ TEST_F(Requests, are_refused_while_there_is_no_zone) {
   EXPECT_EQ(refusal_of_section(true, "south"), none);
 }
 
+TEST_F(Requests, to_circulate_are_never_passed_on_to_another_control_area) {
+  std::size_t passed_on = 0;
+  requests.set_abroad([&](std::string_view) -> Result<Mission> {
+    ++passed_on;
+    return fail("areas.goal", "no such goal");
+  });
+  orders.missions.give(0, {Mission::Kind::go, "dock"});
+  EXPECT_EQ(refusal_of_loop(""), Error{});
+  requests.follow(MissionCommand{false, {"CoSiVA/AIV1"}, ""});
+  EXPECT_EQ(orders.missions.mission(0), Mission{});
+  EXPECT_EQ(passed_on, 0U);
+}
+
+TEST_F(Requests, with_the_name_of_an_area_are_refused_where_there_are_no_other_areas) {
+  const Error error = refusal_of_goal("b/rack");
+  EXPECT_EQ(error.code, "mission.to");
+  EXPECT_THAT(error.message, HasSubstr("there is no station or waypoint 'b/rack'; there are "));
+}
+
+TEST_F(Requests, for_several_vehicles_need_all_of_them) {
+  const VehicleIndex second = orders.add("AIV2");
+  const MissionCommand command{true, {"CoSiVA/AIV2", "CoSiVA/AIV9"}, "dock"};
+  EXPECT_THAT(requests.check(command).error().message, HasSubstr("no vehicle 'CoSiVA/AIV9'"));
+  requests.follow(MissionCommand{true, {"CoSiVA/AIV2", "CoSiVA/AIV1"}, "gate"});
+  EXPECT_EQ(orders.missions.mission(0).name, "gate");
+  EXPECT_EQ(orders.missions.mission(second).name, "gate");
+}
+
+TEST_F(Requests, quote_at_most_eighty_bytes_of_a_name) {
+  const std::string name = std::string(80, 'x') + "y";
+  const std::string quoted = "'" + std::string(80, 'x') + "'";
+  EXPECT_THAT(refusal_of_loop(name).message, HasSubstr(quoted));
+  EXPECT_THAT(refusal_of_section(true, name).message, HasSubstr(quoted));
+  EXPECT_THAT(refusal_of_goal("dock", name).message, HasSubstr(quoted));
+  EXPECT_THAT(refusal_of_goal(name).message, HasSubstr(quoted));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/base/digest.h"
@@ -522,6 +524,76 @@ TEST(Missions, end_where_the_path_ends) {
   orders.missions.write(json, 0, "");
   EXPECT_EQ(json.text(), R"({"kind":"circulate","loop":null,"state":"no route","why":"the path ends with 'track'"})");
   EXPECT_FALSE(orders.missions.has_detour(0, orders.at("track", 1.0), {}));
+}
+
+TEST_F(Planned, mission_given_after_one_without_a_route_has_no_reason_any_more) {
+  orders.missions.set_closed(ids({"south", "bypass1"}));
+  go("gate");
+  ASSERT_FALSE(plan({orders.at("entry", 0.3)}).has_value());
+  go("dock");
+  EXPECT_EQ(json(), R"({"kind":"go","to":"dock","state":"driving","why":null})");
+}
+
+TEST_F(Planned, route_to_a_goal_leads_around_what_the_vehicle_avoids) {
+  go("gate");
+  orders.missions.avoid(0, ids({"south"}));
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}),
+            ids({"entry", "bypass1", "bypass2", "bypass3", "bypass4", "bypass5", "east", "north"}));
+  orders.missions.set_closed(ids({"bypass3"}));
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}), std::nullopt) << "it is closed for this vehicle";
+}
+
+TEST_F(PlannedOnLoop, route_leads_around_what_the_vehicle_avoids) {
+  orders.missions.avoid(0, ids({"south"}));
+  EXPECT_EQ(plan({orders.at("entry", 0.3)}),
+            ids({"entry", "bypass1", "bypass2", "bypass3", "bypass4", "bypass5", "east", "north", "west"}));
+  EXPECT_EQ(orders.missions.more(0, orders.section("west")),
+            ids({"entry", "bypass1", "bypass2", "bypass3", "bypass4", "bypass5", "east", "north"}));
+  orders.missions.need_not_avoid(0);
+  EXPECT_EQ(orders.missions.more(0, orders.section("west")), ids({"entry", "south", "east", "north"}));
+}
+
+TEST_F(PlannedOnLoop, mission_names_no_loop_while_there_is_no_zone) {
+  EXPECT_EQ(json(), R"({"kind":"circulate","loop":"round","state":"driving","why":null})");
+  orders.missions.set_map(nullptr);
+  EXPECT_EQ(json(), R"({"kind":"circulate","loop":null,"state":"driving","why":null})");
+}
+
+TEST_F(Planned, loop_that_does_not_lead_back_to_itself_ends) {
+  zone::TrafficZone zone = orders.map->zone();
+  zone.loops = {zone::Loop{"stub", ids({"south"})}};
+  const WaypointGraph with_stub{std::make_shared<const zone::TrafficZone>(std::move(zone))};
+  orders.missions.set_map(&with_stub);
+  orders.missions.give(0, {Mission::Kind::circulate, "stub"});
+  EXPECT_EQ(plan({orders.at("south", 0.3)}), ids({"south"}));
+  EXPECT_FALSE(orders.missions.complete(0));
+  EXPECT_THAT(orders.missions.more(0, orders.section("south")), IsEmpty());
+  EXPECT_TRUE(orders.missions.complete(0));
+  EXPECT_EQ(json(), R"({"kind":"circulate","loop":"stub","state":"no route","why":"the loop ends here"})");
+}
+
+TEST(MissionOnOneSection, leads_along_it_again_and_again_until_it_is_closed) {
+  OrdersFixture orders{{"toml", "circle",
+                        "name = \"circle\"\nformat_version = 1\n[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"
+                        "[circuit]\nname = \"turn\"\nstart = { x = 0.0, y = 0.0, heading_deg = 0 }\nclosed = true\n"
+                        "[[section]]\nname = \"whole\"\nkind = \"arc\"\nradius_m = 1.0\nangle_deg = 360\n"}};
+  orders.add("AIV1");
+  const std::vector<zone::SectionId> whole{orders.section("whole")};
+  ASSERT_NE(loop_of(*orders.map, orders.missions.mission(0)), nullptr);
+  EXPECT_EQ(orders.missions.plan(0, std::vector{orders.at("whole", 1.0)}), whole);
+  for (int lap = 0; lap < 3; ++lap) EXPECT_EQ(orders.missions.more(0, whole.front()), whole);
+  orders.missions.set_closed(whole);
+  EXPECT_THAT(orders.missions.more(0, whole.front()), IsEmpty());
+  EXPECT_EQ(orders.missions.state(0), Missions::State::no_route);
+}
+
+TEST_F(Planned, mission_restored_after_a_restart_is_planned_anew) {
+  const std::uint64_t before = orders.missions.revision(0);
+  orders.proxy(0).settings.on_cancel();
+  orders.missions.restore(0, {Mission::Kind::go, "dock"});
+  EXPECT_EQ(orders.missions.revision(0), before + 1);
+  EXPECT_EQ(orders.missions.mission(0), (Mission{Mission::Kind::go, "dock"}));
+  EXPECT_TRUE(orders.proxy(0).settings.no_orders()) << "an operator's cancellation is still valid";
 }
 
 }  // namespace

@@ -424,5 +424,204 @@ TEST_F(Session, digest_depends_on_stage_order_update_and_base) {
   EXPECT_NE(digest(), running);
 }
 
+// --- the messages themselves ----------------------------------------------------------------------------------------
+
+TEST_F(Session, order_names_each_node_and_edge_of_the_zone_s_graph) {
+  WaypointIndex at = orders.map->find(order.nodes.front().node_id).front();
+  for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+    const wire::OrderNode& node = order.nodes[i];
+    EXPECT_EQ(node.node_id, orders.map->waypoint(at).id);
+    EXPECT_NEAR(node.position->x_m, orders.map->point(at).x_m, 1e-9) << i;
+    EXPECT_NEAR(node.position->y_m, orders.map->point(at).y_m, 1e-9) << i;
+    EXPECT_FALSE(node.position->theta_rad.has_value());
+    EXPECT_THAT(node.actions, IsEmpty());
+    if (i + 1 == order.nodes.size()) break;
+    const WaypointGraph::Stretch& stretch = orders.map->stretch(at);
+    const wire::OrderEdge& edge = order.edges[i];
+    EXPECT_EQ(edge.edge_id, stretch.edge_id);
+    EXPECT_EQ(edge.start_node_id, node.node_id);
+    EXPECT_EQ(edge.end_node_id, orders.map->waypoint(stretch.to).id);
+    EXPECT_EQ(edge.released, order.nodes[i + 1].released);
+    EXPECT_NEAR(*edge.length_m, stretch.length_m, 1e-9) << i;
+    EXPECT_THAT(edge.actions, IsEmpty());
+    at = stretch.to;
+  }
+}
+
+TEST_F(Session, order_is_summarised_in_the_traces) {
+  const std::size_t end = order.nodes.size() - 5;
+  EXPECT_THAT(orders.server.traces.to_json(0, 1000),
+              testing::HasSubstr(order.order_id + " update 0: base " + order.nodes.front().node_id + " to " +
+                                 order.nodes[end].node_id + ", horizon to " + order.nodes.back().node_id));
+  orders.acknowledge(vehicle);
+  orders.context.rules.horizon = 0;
+  orders.report_at(vehicle, orders.at("south", 0.9));
+  ASSERT_TRUE(orders.extend(vehicle));
+  EXPECT_FALSE(session().has_horizon());
+  const wire::Order update = *orders.last_order(vehicle);
+  EXPECT_TRUE(update.nodes.back().released);
+  EXPECT_THAT(orders.server.traces.to_json(0, 1000),
+              testing::HasSubstr(order.order_id + " update 1: base " + order.nodes[end].node_id + " to " +
+                                 update.nodes.back().node_id + ", horizon to " + update.nodes.back().node_id));
+}
+
+TEST(OrderOverASlowSection, limits_the_speed_on_that_section_s_edges_alone) {
+  zone::ZoneConfiguration configuration = oval();
+  const std::string name = "name = \"east\"\n";
+  configuration.text.insert(configuration.text.find(name) + name.size(), "speed_mps_max = 0.2\n");
+  OrdersFixture orders{configuration};
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("south", 1.2));
+  ASSERT_TRUE(orders.extend(vehicle));
+  const wire::Order order = *orders.last_order(vehicle);
+  const double fast_mps = orders.map->zone().profiles.fast.speed_mps;
+  ASSERT_GT(fast_mps, 0.2);
+  int slow = 0;
+  for (const wire::OrderEdge& edge : order.edges) {
+    const WaypointIndex start = orders.map->find(edge.start_node_id).front();
+    const bool on_east = orders.map->waypoint(start).position.section == orders.section("east");
+    EXPECT_NEAR(*edge.max_speed_mps, on_east ? 0.2 : fast_mps, 1e-9) << edge.edge_id;
+    slow += on_east ? 1 : 0;
+  }
+  EXPECT_GT(slow, 1);
+  EXPECT_LT(slow, static_cast<int>(order.edges.size()));
+}
+
+// --- the end of a path ----------------------------------------------------------------------------------------------
+
+TEST(OrderToADeadEnd, is_done_when_the_vehicle_reports_its_last_node) {
+  OrdersFixture orders{{"toml", "lane",
+                        "name = \"lane\"\nformat_version = 1\n[vehicle]\nlength_m = 0.20\nwidth_m = 0.12\n"
+                        "[circuit]\nstart = { x = 0.0, y = 0.0, heading_deg = 0 }\nclosed = false\n"
+                        "[[section]]\nname = \"lane\"\nkind = \"straight\"\nlength_m = 4.0\n"}};
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("lane", 3.5));
+  ASSERT_TRUE(orders.extend(vehicle));
+  const wire::Order order = *orders.last_order(vehicle);
+  ASSERT_TRUE(order.nodes.back().released) << "nothing follows";
+  EXPECT_FALSE(orders.sessions[vehicle].has_horizon());
+  orders.acknowledge(vehicle);
+  wire::State state;
+  state.order_id = order.order_id;
+  state.last_node_id = order.nodes.back().node_id;
+  state.last_node_sequence_id = order.nodes.back().sequence_id;
+  EXPECT_EQ(orders.sessions[vehicle].on_state(state, nullptr), OrderSession::Next::drop);
+}
+
+// --- refusals of updates --------------------------------------------------------------------------------------------
+
+/// The vehicle has acknowledged its order, and update 1 is pending.
+class PendingUpdate : public Session {
+ protected:
+  PendingUpdate() {
+    orders.acknowledge(vehicle);
+    orders.report_at(vehicle, orders.at("south", 0.9));
+    EXPECT_TRUE(orders.extend(vehicle));
+    EXPECT_TRUE(session().awaits_acknowledgement());
+  }
+  Next report_with(const wire::VehicleError& error) {
+    const wire::State before = accepted();
+    wire::State state = before;
+    state.errors = {error};
+    return session().on_state(state, &before);
+  }
+};
+
+TEST_F(PendingUpdate, is_refused_by_a_new_error_without_a_reference) {
+  EXPECT_EQ(report_with(refusal("orderUpdateError")), Next::nothing);
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+  EXPECT_EQ(session().wait_until(), orders.now + 2s);
+  EXPECT_THAT(orders.logs(), testing::Contains("w CoSiVA/AIV1: refused order '" + order.order_id +
+                                               "' update 1 (orderUpdateError: not today); a new one follows"));
+}
+
+TEST_F(PendingUpdate, is_not_refused_by_an_error_that_names_the_order_before) {
+  EXPECT_EQ(report_with(refusal("orderUpdateError", order.order_id, "0")), Next::nothing);
+  EXPECT_TRUE(session().is_running());
+  EXPECT_EQ(report_with(refusal("orderUpdateError", order.order_id, "1")), Next::nothing);
+  EXPECT_EQ(session().stage(), Stage::cancelling);
+}
+
+// --- orders taken over ----------------------------------------------------------------------------------------------
+
+TEST_F(Session, order_whose_base_ends_at_an_unknown_node_is_left_alone) {
+  wire::State state = accepted();
+  for (wire::NodeState& node : state.node_states) node.released = false;
+  state.last_node_id = "elsewhere";
+  EXPECT_FALSE(OrderSession(orders.context, vehicle).can_take_over(state));
+}
+
+TEST_F(Session, order_taken_over_ends_where_its_course_does) {
+  OrderSession fresh{orders.context, vehicle};
+  fresh.take_over(accepted(), WaypointIndex{7});
+  EXPECT_EQ(fresh.base_end(), 7U);
+  EXPECT_EQ(orders.traffic.base_end(vehicle), 7U);
+}
+
+TEST_F(Session, order_taken_over_is_continued_with_its_own_numbers) {
+  wire::State state = accepted();
+  state.order_id = "theirs";
+  state.order_update_id = 6;
+  session() = OrderSession{orders.context, vehicle};
+  session().take_over(state, std::nullopt);
+  orders.report_at(vehicle, orders.at("south", 0.9));
+  ASSERT_TRUE(orders.extend(vehicle));
+  const wire::Order update = *orders.last_order(vehicle);
+  const wire::OrderNode& end = order.nodes[order.nodes.size() - 5];
+  EXPECT_EQ(update.order_id, "theirs");
+  EXPECT_EQ(update.order_update_id, 7U);
+  EXPECT_EQ(update.nodes.front().node_id, end.node_id);
+  EXPECT_EQ(update.nodes.front().sequence_id, end.sequence_id);
+  EXPECT_EQ(update.edges.front().sequence_id, end.sequence_id + 1);
+  EXPECT_TRUE(session().awaits_acknowledgement());
+  orders.pass(300ms);
+  EXPECT_TRUE(session().repeat_when_due());
+}
+
+TEST_F(Session, digest_distinguishes_orders_and_updates) {
+  const auto digest_of = [&](const std::string& id, std::uint32_t update) {
+    OrderSession fresh{orders.context, vehicle};
+    wire::State state = accepted();
+    state.order_id = id;
+    state.order_update_id = update;
+    fresh.take_over(state, WaypointIndex{3});
+    Digest digest;
+    fresh.fold(digest);
+    return digest.hex();
+  };
+  EXPECT_EQ(digest_of("a", 1), digest_of("a", 1));
+  EXPECT_NE(digest_of("a", 1), digest_of("b", 1));
+  EXPECT_NE(digest_of("a", 1), digest_of("a", 2));
+}
+
+// --- cancelOrder ----------------------------------------------------------------------------------------------------
+
+TEST_F(Session, cancellation_replaces_the_one_before) {
+  session().cancel();
+  session().cancel();
+  orders.pass(300ms);
+  orders.actions.tick(orders.server.registry, true);
+  const auto sent = orders.actions_to(vehicle, "cancelOrder");
+  ASSERT_THAT(sent, SizeIs(3)) << "two, of which the second is repeated";
+  EXPECT_EQ(sent[2].action_id, sent[1].action_id);
+}
+
+TEST_F(Session, cancellation_is_repeated_for_less_than_three_seconds) {
+  session().cancel();
+  orders.pass(2999ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_EQ(cancellations(), 2U);
+  orders.pass(1ms);
+  session().cancel();
+  orders.pass(3s);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_EQ(cancellations(), 3U);
+}
+
+TEST_F(Session, cancellation_is_not_followed_once_the_vehicle_lists_it) {
+  session().cancel();
+  ASSERT_NE(orders.actions.find(1), nullptr) << "the first action of all";
+  orders.report_action(vehicle, orders.actions_to(vehicle, "cancelOrder").front(), wire::ActionStatus::running);
+  EXPECT_EQ(orders.actions.find(1), nullptr);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

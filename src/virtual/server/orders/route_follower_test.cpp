@@ -431,5 +431,143 @@ TEST(OffPathVehicle, that_got_no_order_stays_off_the_path_for_the_others) {
   EXPECT_GT(orders.traffic.reach_m(behind), 6.0);
 }
 
+// --- updates --------------------------------------------------------------------------------------------------------
+
+TEST_F(Base, of_an_update_begins_at_the_end_of_the_base_with_the_usual_deviation) {
+  (void)extended();
+  orders.acknowledge(vehicle);
+  const std::string end = orders.map->waypoint(orders.sessions[vehicle].base_end()).id;
+  orders.report_at(vehicle, orders.at("south", 0.9), 0.2);
+  const wire::Order update = extended();
+  EXPECT_EQ(update.order_update_id, 1U);
+  EXPECT_EQ(update.nodes.front().node_id, end);
+  EXPECT_EQ(update.nodes.front().position->allowed_deviation_xy_m, 0.10);
+}
+
+TEST_F(Base, that_ends_behind_the_leader_gets_no_further_message_until_there_is_room) {
+  const VehicleIndex leader = orders.add_at("AIV2", orders.at("south", 1.0));
+  EXPECT_FALSE(extended().nodes.back().released) << "it announces a horizon";
+  orders.acknowledge(vehicle);
+  EXPECT_FALSE(orders.extend(vehicle));
+  EXPECT_THAT(orders.orders_to(vehicle), SizeIs(1));
+  EXPECT_EQ(wait().blocker, leader);
+  EXPECT_EQ(wait().since, orders.now);
+}
+
+TEST_F(Base, may_be_shorter_than_a_metre) {
+  limit_base(orders, 0.5);
+  EXPECT_THAT(base_lengths(extended()), SizeIs(2)) << "two of 0.286 m";
+}
+
+TEST_F(Base, is_extended_for_a_vehicle_whose_course_was_lost) {
+  const wire::Order order = extended();
+  orders.acknowledge(vehicle);
+  orders.report_at(vehicle, orders.at("south", 0.9), 0.2);
+  orders.traffic.set_course(vehicle, {});
+  const wire::Order update = extended();
+  EXPECT_EQ(update.order_id, order.order_id);
+  EXPECT_EQ(update.order_update_id, 1U);
+  // The base ends at 1.43 m: 0.53 m are left, and three stretches of about 0.27 m reach 1.2 m.
+  EXPECT_THAT(base_lengths(update), SizeIs(3));
+}
+
+TEST(BaseIntoASection, closed_meanwhile_is_cancelled_and_not_extended) {
+  OrdersFixture orders{fork()};
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("west", 1.5));
+  ASSERT_TRUE(orders.extend(vehicle));
+  orders.acknowledge(vehicle);
+  ASSERT_EQ(orders.map->waypoint(orders.sessions[vehicle].base_end()).position.section, orders.section("entry"));
+  orders.missions.set_closed({orders.section("entry")});
+  EXPECT_FALSE(orders.extend(vehicle));
+  EXPECT_EQ(orders.sessions[vehicle].stage(), OrderSession::Stage::cancelling);
+  EXPECT_THAT(orders.orders_to(vehicle), SizeIs(1));
+}
+
+TEST(BaseBeyondItsEnd, is_as_long_as_usual_where_the_vehicle_is_in_the_next_section_already) {
+  // Waypoints 0.19 m apart: the vehicle is 0.22 m beyond the last one of the north side, and 3 cm along the west side.
+  OrdersFixture orders{fork("[waypoints]\nspacing_m = 0.2\n")};
+  const WaypointIndex last = orders.map->behind(orders.at("north", 3.41))->waypoint;
+  const auto from_last = [&](double beyond_m) {
+    return orders.map->circuit().advance(orders.map->waypoint(last).position, beyond_m);
+  };
+  const VehicleIndex vehicle = orders.add_at("AIV1", from_last(-1.25));
+  ASSERT_TRUE(orders.extend(vehicle));
+  ASSERT_EQ(orders.sessions[vehicle].base_end(), last);
+  orders.acknowledge(vehicle);
+  orders.report_at(vehicle, from_last(0.22), 0.2);
+  ASSERT_EQ(orders.positions.reported(vehicle).position->section, orders.section("west"));
+  ASSERT_TRUE(orders.extend(vehicle));
+  // 0.190 m to the west side, and then parts of 0.1885 m: six of them exceed 1.2 m.
+  EXPECT_THAT(base_lengths(*orders.last_order(vehicle)), SizeIs(7));
+}
+
+TEST(BaseAroundAMerge, enters_no_section_again_that_the_base_contains_already) {
+  OrdersFixture orders{fork()};
+  TrafficRules rules;
+  rules.request_within_m = 100.0;
+  orders.traffic = Traffic{rules};
+  orders.traffic.set_map(&*orders.map);
+  orders.traffic.set_time(orders.now);
+  orders.missions.set_closed({orders.section("south")});  // which the vehicle leaves
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("south", 1.2));
+  ASSERT_TRUE(orders.extend(vehicle));
+  const auto section_of = [&](WaypointIndex at) { return orders.map->waypoint(at).position.section; };
+  const zone::SectionId east = orders.section("east");
+  ASSERT_EQ(section_of(orders.sessions[vehicle].base_end()), east);
+  orders.acknowledge(vehicle);
+  limit_base(orders, 100.0, 100);
+  ASSERT_TRUE(orders.extend(vehicle));
+  const WaypointIndex end = orders.sessions[vehicle].base_end();
+  EXPECT_GE(section_of(end), orders.section("bypass1")) << "before the merge of the bypass";
+  ASSERT_FALSE(orders.map->stretch(end).sections.empty());
+  EXPECT_EQ(orders.map->stretch(end).sections.back(), east);
+}
+
+TEST(NodeOfAShortSide, is_the_one_behind_up_to_a_metre) {
+  // The south side is 1.08 m long, with waypoints only at the joints.
+  const auto deviation_m = [](double s_m) {
+    zone::ZoneConfiguration configuration = oval();
+    const std::string long_side = "length_m = 2.0";
+    for (std::size_t at = configuration.text.find(long_side); at != std::string::npos;
+         at = configuration.text.find(long_side))
+      configuration.text.replace(at, long_side.size(), "length_m = 1.08");
+    configuration.text += "\n[waypoints]\nspacing_m = 1000.0\n";
+    OrdersFixture orders{configuration};
+    const VehicleIndex vehicle = orders.add_at("agv-1", orders.at("south", s_m), "Acme");
+    orders.missions.give(vehicle, {Mission::Kind::go, "north@0"});
+    EXPECT_TRUE(orders.extend(vehicle));
+    return *orders.last_order(vehicle)->nodes.front().position->allowed_deviation_xy_m;
+  };
+  EXPECT_NEAR(deviation_m(1.0), 0.10 + 1.0, 1e-9) << "the node behind";
+  EXPECT_NEAR(deviation_m(1.001), 0.10 + 0.079, 1e-9) << "the node ahead";
+}
+
+TEST(OffPathVehicle, that_was_sent_to_the_path_is_the_leader_of_the_others_at_once) {
+  OrdersFixture orders;
+  const VehicleIndex behind = orders.add_at("AIV1", orders.at("south", 0.2));
+  const VehicleIndex vehicle = orders.add_off_path("AIV2", orders.at("south", 0.9), 0.25);
+  ASSERT_TRUE(orders.extend(vehicle));
+  EXPECT_NEAR(orders.traffic.reach_m(behind), 0.9 - 0.2 - 0.3, 1e-6);
+}
+
+TEST(OffPathVehicle, that_cannot_join_the_path_withdraws_what_it_requested) {
+  OrdersFixture orders{zone_file("lacet4.toml")};
+  const auto spans = orders.map->zone().crossings.front().spans;
+  ASSERT_GE(spans.size(), 2U);
+  ASSERT_NE(spans[0].section, spans[1].section);
+  orders.add_at("AIV1", {spans[0].section, 0.5 * (spans[0].from_m + spans[0].to_m)});
+  const zone::TrackPosition before = orders.map->circuit().advance({spans[1].section, spans[1].from_m}, -0.3);
+  const VehicleIndex vehicle = orders.add_off_path("AIV2", before, 0.25);
+  orders.traffic.set_position(vehicle, before);
+  orders.traffic.update();
+  ASSERT_FALSE(orders.traffic.request(vehicle, 0.6, 0.3).granted) << "another vehicle is in the crossing";
+  ASSERT_THAT(orders.traffic.requests(), SizeIs(1));
+  const VehicleIndex other = orders.add_off_path("AIV3", before, 0.30);  // as close as bodies can be
+  EXPECT_FALSE(orders.extend(vehicle));
+  EXPECT_EQ(orders.waits[vehicle].blocker, other);
+  EXPECT_EQ(orders.waits[vehicle].why, WaitReason::off_path);
+  EXPECT_THAT(orders.traffic.requests(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -235,5 +235,42 @@ TEST(BlockerAtGoal, is_the_vehicle_within_a_body_and_the_gap_of_the_goal) {
   EXPECT_EQ(orders.analysis.blocker_at_goal(0), "");
 }
 
+TEST_F(Detected, leader_may_be_47_centimetres_in_front) {
+  // Steps of 0.03 m up to 0.21 m, a body of 0.20 m, and a tolerance of 0.07 m.
+  const VehicleIndex leader = orders.add_at("AIV2", orders.at("south", 0.5 + 0.47));
+  EXPECT_THAT(waits(), ElementsAre(sensed(leader)));
+  orders.report_at(leader, orders.at("south", 0.5 + 0.49));
+  orders.pass(1s);
+  EXPECT_THAT(waits(), IsEmpty());
+}
+
+TEST(DetectedWhileJoining, is_the_nearest_vehicle_where_the_path_is_joined) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", 1.0), 0.25);
+  ASSERT_TRUE(orders.joins.join_elsewhere(vehicle, false, 0.45));
+  orders.add_at("AIV2", orders.at("south", 1.22));
+  const VehicleIndex nearest = orders.add_at("AIV3", orders.at("south", 1.0));
+  orders.report_field(vehicle, &wire::State::field_violation, true);
+  WaitGraph graph;
+  graph.begin(orders.server.registry.size());
+  orders.analysis.add_waits(graph);
+  (void)graph.find_knots();
+  EXPECT_THAT(std::vector<Wait>(graph.waits().begin(), graph.waits().end()),
+              ElementsAre(Wait{vehicle, nearest, WaitReason::sensors}));
+}
+
+TEST(BlockerAtGoal, does_not_exist_without_a_goal_or_a_zone) {
+  OrdersFixture orders{fork()};
+  orders.add_at("AIV1", orders.at("entry", 0.3));
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("north", 1.5));
+  orders.waits.wait_for(0, other, WaitReason::off_path);
+  EXPECT_EQ(orders.analysis.blocker_at_goal(0), "") << "it circulates";
+  orders.missions.give(0, {Mission::Kind::go, "gate"});
+  ASSERT_TRUE(orders.missions.plan(0, std::vector{orders.at("entry", 0.3)}).has_value());
+  EXPECT_EQ(orders.analysis.blocker_at_goal(0), "CoSiVA/AIV2");
+  orders.context.map = nullptr;
+  EXPECT_EQ(orders.analysis.blocker_at_goal(0), "");
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/virtual/server/testing/orders_fixture.h"
@@ -251,6 +253,209 @@ TEST(YieldsOnAnOpenPath, by_backing_up_no_further_than_to_its_beginning) {
 TEST_F(Yields, by_a_detour_only_around_what_it_waits_for) {
   EXPECT_EQ(cost_m(Means::detour), std::nullopt) << "it waits for nothing";
   EXPECT_EQ(cost_m(Means::other_position), std::nullopt) << "it is on the path";
+}
+
+TEST_F(Yields, by_backing_up_only_when_it_is_stopped) {
+  ASSERT_TRUE(yield(Means::back_up));
+  end_order();
+  orders.report_field(vehicle, &wire::State::driving, true);
+  EXPECT_TRUE(continues());
+  EXPECT_THAT(back_ups(), IsEmpty());
+  orders.report_field(vehicle, &wire::State::driving, false);
+  EXPECT_TRUE(continues());
+  ASSERT_THAT(back_ups(), SizeIs(1));
+  EXPECT_EQ(back_ups()[0].blocking_type, wire::BlockingType::hard);
+}
+
+TEST_F(Yields, by_backing_up_when_the_vehicle_behind_has_left) {
+  ASSERT_TRUE(yield(Means::back_up));
+  end_order();
+  const VehicleIndex behind = orders.add_at("AIV3", orders.at("south", 0.8 - 0.30));
+  EXPECT_TRUE(continues());
+  EXPECT_THAT(back_ups(), IsEmpty());
+  orders.report_at(behind, orders.at("south", 0.1));
+  orders.pass(1s);
+  EXPECT_TRUE(continues());
+  EXPECT_THAT(back_ups(), SizeIs(1));
+}
+
+TEST_F(Yields, by_a_command_that_is_repeated_for_less_than_three_seconds) {
+  ASSERT_TRUE(yield(Means::back_up));
+  end_order();
+  EXPECT_TRUE(continues());
+  orders.pass(2999ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_THAT(back_ups(), SizeIs(2));
+  orders.pass(301ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_THAT(back_ups(), SizeIs(2));
+}
+
+TEST(YieldsInSteps, by_backing_up_until_its_body_is_clear_of_the_other_vehicle_s_entry) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("south", 1.0));
+  const VehicleIndex joining = orders.add_off_path("AIV2", orders.at("south", 1.15), 0.25);
+  const std::vector<Wait> waits{{joining, vehicle, WaitReason::off_path}};
+  // Bodies are 0.20 m by 0.12 m, and 0.04 m have to be free around the one that turns at 1.15 m: half the diagonal of
+  // 0.28 m by 0.20 m is 0.172 m, and half a body 0.10 m. That is 0.122 m further back: five steps of 0.025 m.
+  EXPECT_NEAR(orders.yielding.can_yield(vehicle, Means::back_up, waits).value_or(0.0), 5 * 0.025 + 0.02, 1e-9);
+}
+
+// --- off the path ---------------------------------------------------------------------------------------------------
+
+/// What it costs a vehicle to wait that is off the path at `s_m`, `left_m` to the left, and obstructs another vehicle
+/// 0.2 m along the south side.
+std::optional<double> cost_of_waiting_off_path(double s_m, double left_m, bool waits_itself) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", s_m), left_m);
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("south", 0.2));
+  if (waits_itself) {
+    orders.waits.wait_for(vehicle, other, WaitReason::off_path);
+    orders.waits.record(vehicle, true, orders.now);
+  }
+  return orders.yielding.can_yield(vehicle, Means::wait, std::vector<Wait>{{other, vehicle, WaitReason::off_path}});
+}
+
+TEST(YieldsOffPath, by_waiting_only_where_it_waits_to_join_the_path) {
+  EXPECT_EQ(cost_of_waiting_off_path(0.9, 0.25, true), 0.0);
+  EXPECT_EQ(cost_of_waiting_off_path(0.9, 0.25, false), std::nullopt) << "there is nothing to release";
+}
+
+TEST(YieldsOffPath, not_by_waiting_where_its_body_is_less_than_four_centimetres_from_the_other_one_s_path) {
+  EXPECT_EQ(cost_of_waiting_off_path(0.9, 0.12 + 0.039, true), std::nullopt);
+  EXPECT_EQ(cost_of_waiting_off_path(0.9, 0.12 + 0.041, true), 0.0);
+}
+
+TEST(YieldsOffPath, by_waiting_where_its_body_is_further_along_the_path_than_the_next_stretch) {
+  // The path is checked up to 0.81 m, 27 steps of 0.03 m; bodies of 0.20 m, and 0.04 m between them.
+  EXPECT_EQ(cost_of_waiting_off_path(0.2 + 0.81 + 0.23, 0.15, true), std::nullopt);
+  EXPECT_EQ(cost_of_waiting_off_path(0.2 + 0.81 + 0.25, 0.15, true), 0.0);
+}
+
+TEST(YieldsOffPath, by_joining_the_path_elsewhere_while_it_has_no_order_and_does_not_join_yet) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", 1.0), 0.25);
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("north", 1.0));
+  const std::vector<Wait> waits{{other, vehicle, WaitReason::off_path}};
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::other_position, waits), 0.0);
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::detour, waits), std::nullopt);
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::back_up, waits), std::nullopt);
+  ASSERT_TRUE(orders.yielding.yield(vehicle, Means::other_position, waits));
+  EXPECT_THAT(orders.actions_to(vehicle, "joinLine"), SizeIs(1));
+  EXPECT_FALSE(orders.yielding.yields(vehicle)) << "it does not stop";
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::other_position, waits), std::nullopt) << "it joins already";
+  orders.joins.end(vehicle);
+  orders.traffic.set_position(vehicle, std::nullopt);
+  ASSERT_TRUE(orders.extend(vehicle));
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::other_position, waits), std::nullopt) << "it has an order";
+}
+
+TEST(YieldsOffPath, by_joining_the_path_even_where_it_cannot_continue_from) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", 0.9), 0.25);
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("south", 1.0));
+  orders.add_at("AIV3", orders.at("south", 1.3));
+  ASSERT_TRUE(
+      orders.yielding.yield(vehicle, Means::other_position, std::vector<Wait>{{other, vehicle, WaitReason::off_path}}));
+  // Every 0.05 m, a position nearer than 0.22 m to a body on the path is not free: a body, and 0.02 m between them.
+  ASSERT_THAT(orders.actions_to(vehicle, "joinLine"), SizeIs(1));
+  EXPECT_NEAR(*orders.actions_to(vehicle, "joinLine")[0].number("x"), 0.75, 1e-9);
+}
+
+TEST(YieldsOffPath, not_by_joining_the_path_further_away_than_sixty_centimetres) {
+  OrdersFixture orders;
+  const VehicleIndex vehicle = orders.add_off_path("AIV1", orders.at("south", 1.0), 0.25);
+  int number = 2;
+  for (const double s_m : {0.55, 0.85, 1.15, 1.45})
+    orders.add_at("AIV" + std::to_string(number++), orders.at("south", s_m));
+  EXPECT_FALSE(
+      orders.yielding.yield(vehicle, Means::other_position, std::vector<Wait>{{1, vehicle, WaitReason::off_path}}));
+  EXPECT_THAT(orders.actions_to(vehicle, "joinLine"), IsEmpty());
+}
+
+// --- detours --------------------------------------------------------------------------------------------------------
+
+/// A vehicle on "entry", before the fork, with a mission to the gate: over the south side, or over the bypass.
+class Detours : public testing::Test {
+ protected:
+  Detours() : orders{fork()}, vehicle{orders.add_at("AIV1", orders.at("entry", 0.3))}, other{orders.add("AIV2")} {
+    orders.missions.give(vehicle, {Mission::Kind::go, "gate"});
+    EXPECT_TRUE(orders.planner.plan(vehicle));
+  }
+  [[nodiscard]] std::vector<Wait> waits() const { return {{other, vehicle, WaitReason::turn}}; }
+  /// While the vehicle waits for the other one there.
+  std::optional<double> cost_behind(zone::TrackPosition position) {
+    orders.report_at(other, position);
+    orders.waits.begin(vehicle);
+    orders.waits.wait_for(vehicle, other, WaitReason::off_path);
+    return orders.yielding.can_yield(vehicle, Means::detour, waits());
+  }
+  OrdersFixture orders;
+  VehicleIndex vehicle;
+  VehicleIndex other;
+};
+
+TEST_F(Detours, lead_around_the_section_where_the_other_vehicle_is) {
+  EXPECT_EQ(cost_behind(orders.at("south", 1.2)), 0.0);
+  ASSERT_TRUE(orders.yielding.yield(vehicle, Means::detour, waits()));
+  EXPECT_FALSE(orders.yielding.yields(vehicle)) << "it does not stop";
+  EXPECT_TRUE(orders.planner.is_outdated(vehicle));
+  ASSERT_TRUE(orders.planner.plan(vehicle));
+  EXPECT_EQ(orders.traffic.remaining(vehicle).front(), orders.section("bypass1"));
+}
+
+TEST_F(Detours, do_not_exist_around_a_section_of_every_route) {
+  EXPECT_EQ(cost_behind(orders.at("east", 0.5)), std::nullopt);
+}
+
+TEST_F(Detours, are_not_taken_around_a_vehicle_that_is_not_on_the_route) {
+  EXPECT_EQ(cost_behind(orders.at("bypass3", 0.5)), std::nullopt);
+  EXPECT_EQ(cost_behind(orders.at("entry", 0.7)), std::nullopt) << "the vehicle is on that section itself";
+}
+
+TEST_F(Detours, lead_around_a_crossing) {
+  const auto& crossings = orders.map->zone().crossings;
+  const auto is_fork = [&](const zone::Crossing& crossing) {
+    return std::ranges::find(crossing.spans, orders.section("bypass1"), &zone::CrossingSpan::section) !=
+           crossing.spans.end();
+  };
+  const auto fork_crossing = std::ranges::find_if(crossings, is_fork);
+  ASSERT_NE(fork_crossing, crossings.end());
+  const auto index = static_cast<CrossingIndex>(fork_crossing - crossings.begin());
+  orders.waits.wait_for(vehicle, Traffic::Response{false, index, no_vehicle, WaitReason::crossing});
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::detour, waits()), 0.0) << "the first section with that crossing";
+}
+
+TEST_F(Detours, are_searched_up_to_the_vehicle_s_own_section) {
+  std::vector<zone::SectionId> course;
+  for (const char* name : {"entry", "south", "east", "north", "west", "entry", "bypass1", "bypass2", "bypass3"})
+    course.push_back(orders.section(name));
+  orders.traffic.set_course(vehicle, zone::Course(std::move(course)));
+  EXPECT_EQ(cost_behind(orders.at("bypass3", 0.5)), std::nullopt) << "that is one lap further on";
+}
+
+// --- crossings ------------------------------------------------------------------------------------------------------
+
+/// What it costs a vehicle to back up for another one that waits for its turn; the vehicle is `beyond_m` beyond the end
+/// of the first span of the clover's first crossing, or in the centre of that span.
+std::optional<double> cost_of_backing_up(std::optional<double> beyond_m) {
+  OrdersFixture orders{zone_file("lacet4.toml")};
+  const zone::CrossingSpan span = orders.map->zone().crossings.front().spans.front();
+  const double s_m = beyond_m ? span.to_m + *beyond_m : 0.5 * (span.from_m + span.to_m);
+  const VehicleIndex vehicle = orders.add_at("AIV1", {span.section, s_m});
+  const VehicleIndex other = orders.add_at("AIV2", orders.at("loop_nw", 1.4));
+  return orders.yielding.can_yield(vehicle, Means::back_up, std::vector<Wait>{{other, vehicle, WaitReason::turn}});
+}
+
+TEST(YieldsInACrossing, by_backing_up_within_it_but_not_back_into_it) {
+  EXPECT_NEAR(cost_of_backing_up(std::nullopt).value_or(0.0), 0.025 + 0.02, 1e-9) << "it is in the crossing already";
+  EXPECT_GT(cost_of_backing_up(0.02).value_or(1.0), 0.05) << "one step back it would obstruct others";
+}
+
+TEST_F(Yields, not_by_waiting_for_a_vehicle_that_is_too_far_from_the_path_to_join_it) {
+  const VehicleIndex far = orders.add_off_path("AIV3", orders.at("south", 0.3), 0.35);
+  EXPECT_EQ(orders.yielding.can_yield(vehicle, Means::wait, std::vector<Wait>{{far, vehicle, WaitReason::off_path}}),
+            std::nullopt);
 }
 
 }  // namespace

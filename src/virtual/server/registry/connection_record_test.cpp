@@ -49,5 +49,28 @@ TEST(ConnectionRecord, refuses_a_change_before_the_last_one) {
   EXPECT_DEATH(connection.on_offline(virtual_epoch), "now >= changed_at_");
 }
 
+TEST(ConnectionRecord, is_as_reported_last_even_at_one_time) {
+  ConnectionRecord connection;
+  EXPECT_TRUE(connection.on_connection(ConnectionState::online, virtual_epoch));
+  EXPECT_FALSE(connection.on_connection(ConnectionState::offline, virtual_epoch));
+  EXPECT_EQ(connection.shown(), ConnectionState::offline);
+  EXPECT_FALSE(connection.online());
+}
+
+TEST(ConnectionRecord, begins_no_session_with_a_loss_of_a_vehicle_that_was_never_online) {
+  ConnectionRecord connection;
+  EXPECT_FALSE(connection.on_connection(ConnectionState::connection_broken, virtual_epoch));
+  EXPECT_FALSE(connection.on_connection(ConnectionState::offline, virtual_epoch + 1s));
+}
+
+TEST(ConnectionRecord, counts_the_two_seconds_from_the_last_change) {
+  ConnectionRecord connection;
+  connection.on_connection(ConnectionState::connection_broken, virtual_epoch);
+  connection.on_offline(virtual_epoch + 1500ms);
+  EXPECT_FALSE(connection.on_report(virtual_epoch + 3500ms));
+  EXPECT_TRUE(connection.on_report(virtual_epoch + 3501ms));
+  EXPECT_EQ(connection.state(), ConnectionState::online);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -42,5 +42,16 @@ TEST(FactsheetRecord, is_requested_once_per_session) {
   EXPECT_FALSE(record.missing()) << "a vehicle keeps its factsheet";
 }
 
+TEST(FactsheetRecord, is_replaced_by_the_next_one_and_requested_no_more) {
+  FactsheetRecord record;
+  record.on_factsheet(with_actions());
+  EXPECT_DEATH(record.on_requested(), "missing");
+  wire::Factsheet other;
+  other.actions.push_back({"pick", "", true, false, false, {}});
+  record.on_factsheet(other);
+  EXPECT_EQ(record.supports("startPause"), false);
+  EXPECT_EQ(record.supports("pick"), true);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

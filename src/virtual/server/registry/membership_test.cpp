@@ -53,5 +53,17 @@ TEST(Membership, refuses_a_handover_before_the_last_one) {
   EXPECT_DEATH(membership.on_handed_over(virtual_epoch), "last <= now");
 }
 
+TEST(Membership, may_be_handed_over_twice_at_one_time_and_again_later) {
+  Membership membership{virtual_epoch};
+  membership.on_handed_over(virtual_epoch + 1s);
+  membership.on_handed_over(virtual_epoch + 1s);
+  membership.on_handed_over(virtual_epoch + 4s);
+  EXPECT_EQ(membership.handed_over()->first, virtual_epoch + 1s);
+  EXPECT_EQ(membership.handed_over()->last, virtual_epoch + 4s);
+  membership.on_handover_void();
+  membership.on_handed_over(virtual_epoch + 2s);
+  EXPECT_EQ(membership.handed_over()->first, virtual_epoch + 2s) << "a handover that is void limits nothing";
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -35,5 +35,29 @@ TEST(MessageCounters, refuse_to_count_more_than_the_messages_themselves) {
   EXPECT_DEATH(counters.on_missed(999), "missed < missed_per_message_max");
 }
 
+TEST(MessageCounters, permit_each_message_to_be_refused_and_outdated) {
+  MessageCounters counters;
+  counters.on_message();
+  counters.on_refused();
+  counters.on_outdated();
+  counters.on_missed(998);
+  EXPECT_EQ(counters.refused(), 1U);
+  EXPECT_EQ(counters.outdated(), 1U);
+  EXPECT_EQ(counters.missed(), 998U);
+  EXPECT_DEATH(counters.on_refused(), "refused_ <= messages_");
+  EXPECT_DEATH(counters.on_outdated(), "outdated_ <= messages_");
+  EXPECT_DEATH(counters.on_missed(2), "missed_ <= messages_") << "998 and 2 are more than 999 for one message";
+}
+
+TEST(MessageCounters, add_refused_v2x_messages_to_the_refused_ones) {
+  MessageCounters counters;
+  counters.on_message();
+  counters.on_refused();
+  counters.on_v2x_refused();
+  counters.on_v2x_refused();
+  EXPECT_EQ(counters.refused(), 3U);
+  EXPECT_EQ(counters.messages(), 1U);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

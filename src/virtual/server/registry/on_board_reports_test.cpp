@@ -48,5 +48,37 @@ TEST(OnBoardReports, trace_one_v2x_message_a_second) {
   EXPECT_TRUE(reports.on_v2x(virtual_epoch + 1s));
 }
 
+TEST(OnBoardReports, hold_the_report_that_was_received_last) {
+  OnBoardReports reports;
+  reports.on_boards(boards_at(10s));
+  reports.on_boards(boards_at(10s));
+  reports.on_boards(boards_at(4s));
+  EXPECT_EQ(reports.boards()->timestamp, virtual_epoch + 4s) << "the clock was set";
+  EXPECT_TRUE(reports.boards_outdated(virtual_epoch + 3s));
+}
+
+TEST(OnBoardReports, compare_a_detected_obstacle_with_the_last_one) {
+  OnBoardReports reports;
+  EXPECT_TRUE(reports.on_detected(virtual_epoch + 10s));
+  EXPECT_TRUE(reports.on_detected(virtual_epoch + 12s));
+  EXPECT_FALSE(reports.on_detected(virtual_epoch + 11s));
+  EXPECT_TRUE(reports.on_detected(virtual_epoch + 7s)) << "five seconds back: the clock was set";
+  EXPECT_FALSE(reports.on_detected(virtual_epoch + 6s));
+}
+
+TEST(OnBoardReports, trace_the_first_of_two_v2x_messages_at_one_time) {
+  OnBoardReports reports;
+  EXPECT_TRUE(reports.on_v2x(virtual_epoch + 10s));
+  EXPECT_FALSE(reports.on_v2x(virtual_epoch + 10s));
+  EXPECT_TRUE(reports.on_v2x(virtual_epoch + 11s));
+  EXPECT_FALSE(reports.on_v2x(virtual_epoch + 11999ms)) << "a second from the last traced one";
+}
+
+TEST(OnBoardReports, trace_a_v2x_message_after_the_clock_of_the_server_was_set_back) {
+  OnBoardReports reports;
+  EXPECT_TRUE(reports.on_v2x(virtual_epoch + 10s));
+  EXPECT_TRUE(reports.on_v2x(virtual_epoch + 9s));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

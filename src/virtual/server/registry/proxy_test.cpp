@@ -115,5 +115,35 @@ TEST(AivProxy, is_a_cosiva_vehicle_by_its_manufacturer) {
   EXPECT_FALSE((AivProxy{Identity({"Acme", "7"}, 7, "uagv"), virtual_epoch}.is_cosiva()));
 }
 
+TEST(AivProxy, counts_no_messages_as_missing_between_two_sessions) {
+  AivProxy proxy = known("Acme");
+  wire::Header sent_before;
+  sent_before.header_id = 5;
+  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_before), 0U);
+  proxy.on_session();
+  wire::Header sent_after;
+  sent_after.header_id = 8;
+  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_after), 0U);
+}
+
+TEST(AivProxy, that_is_retired_has_not_lost_its_position) {
+  AivProxy proxy = known("Acme");
+  proxy.position.on_lost(virtual_epoch + 1s, "yard", virtual_epoch + 1s);
+  proxy.membership.on_handed_over(virtual_epoch + 1s);
+  ASSERT_TRUE(proxy.position.lost_for_longer_than(1s, virtual_epoch + 3s));
+  proxy.on_retired(virtual_epoch + 2s);
+  EXPECT_FALSE(proxy.position.lost_for_longer_than(1s, virtual_epoch + 3s));
+  EXPECT_FALSE(proxy.membership.handed_over());
+}
+
+TEST(AivProxy, is_here_only_with_a_twin) {
+  AivProxy proxy{Identity({"Acme", "7"}, 7, "uagv"), virtual_epoch};
+  EXPECT_FALSE(proxy.here());
+  EXPECT_FALSE(proxy.shown(virtual_epoch));
+  proxy.twin_link.on_appeared(0);
+  EXPECT_TRUE(proxy.here());
+  EXPECT_TRUE(proxy.shown(virtual_epoch));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -70,5 +70,21 @@ TEST(ReceivedHeaders, read_every_version_two_and_no_other) {
   EXPECT_DEATH(static_cast<void>(headers.on_header(VehicleTopic::state, header(1, "3.0.0"))), "readable");
 }
 
+TEST(ReceivedHeaders, count_up_to_998_missing_messages) {
+  ReceivedHeaders headers;
+  EXPECT_EQ(headers.on_header(VehicleTopic::connection, header(0)), 0U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::connection, header(2)), 1U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::connection, header(1000)), 997U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::connection, header(1999)), 998U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::connection, header(2999)), 0U) << "a step of 1000";
+}
+
+TEST(ReceivedHeaders, count_on_from_an_old_message) {
+  ReceivedHeaders headers;
+  EXPECT_EQ(headers.on_header(VehicleTopic::state, header(10)), 0U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::state, header(7)), 0U);
+  EXPECT_EQ(headers.on_header(VehicleTopic::state, header(11)), 3U);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

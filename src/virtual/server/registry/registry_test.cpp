@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
 #include <string>
 
@@ -68,6 +69,48 @@ TEST(Registry, refuses_to_register_a_vehicle_twice) {
   Registry registry{"uagv"};
   ASSERT_TRUE(registry.add({"Acme", "A1"}, virtual_epoch));
   EXPECT_DEATH(registry.add({"Acme", "A1"}, virtual_epoch), "is_new");
+}
+
+TEST(Registry, takes_at_most_the_last_six_digits) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "A123456"), 123'456U);
+  EXPECT_EQ(number_of(registry, "Acme", "A1234567"), 234'567U);
+}
+
+TEST(Registry, takes_every_digit_of_a_serial_number_that_has_nothing_else) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "7"), 7U);
+  EXPECT_EQ(number_of(registry, "Acme", "190"), 190U);
+  EXPECT_EQ(number_of(registry, "Acme", "099"), 99U);
+}
+
+TEST(Registry, takes_no_digits_from_within_the_serial_number) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "A7B"), 1U);
+  EXPECT_EQ(number_of(registry, "Acme", "A7:"), 2U) << "':' follows '9'";
+  EXPECT_EQ(number_of(registry, "Acme", "A7."), 3U);
+  EXPECT_EQ(number_of(registry, "Acme", "A7:8"), 8U);
+  EXPECT_EQ(number_of(registry, "Acme", ""), 4U);
+}
+
+TEST(Registry, gives_a_display_number_in_a_gap) {
+  Registry registry{"uagv"};
+  EXPECT_EQ(number_of(registry, "Acme", "A2"), 2U);
+  EXPECT_EQ(number_of(registry, "Acme", "one"), 1U);
+  EXPECT_EQ(number_of(registry, "Acme", "three"), 3U);
+}
+
+TEST(Registry, numbers_the_vehicles_in_the_order_of_arrival) {
+  Registry registry{"plant"};
+  EXPECT_EQ(registry.add({"Acme", "A1"}, virtual_epoch), 0U);
+  EXPECT_EQ(registry.add({"Acme", "A2"}, virtual_epoch + std::chrono::seconds{1}), 1U);
+  EXPECT_EQ(registry[1].name(), "Acme/A2");
+  EXPECT_EQ(registry[1].membership.first_received(), virtual_epoch + std::chrono::seconds{1});
+  EXPECT_EQ(registry.find("Acme/A1"), 0U);
+  EXPECT_TRUE(registry.find_topic("plant/v2/Acme/A1/state")) << "below the interface's name";
+  EXPECT_FALSE(registry.find_topic("uagv/v2/Acme/A1/state"));
+  EXPECT_EQ(registry.find_topic("plant/v2/Acme/A2/visualization")->topic, VehicleTopic::visualization);
+  EXPECT_EQ(registry.find_topic("cosiva/v1/boards/Acme/A1")->topic, VehicleTopic::boards);
 }
 
 }  // namespace

@@ -117,5 +117,30 @@ TEST(ReportClock, refuses_a_time_that_runs_backwards) {
   EXPECT_DEATH(report(clock, virtual_epoch + 1s), "now >= last_");
 }
 
+TEST(ReportClock, counts_two_reports_at_one_time_as_a_gap_of_zero) {
+  EXPECT_EQ(reported_at({1s, 1s}).usual_gap(), 2500ms) << "5 and 0";
+}
+
+TEST(ReportClock, counts_a_gap_just_below_an_absence) {
+  EXPECT_NEAR(to_seconds(reported_at({0s, 4s, 8s}).usual_gap()), 13.0 / 3.0, 1e-6) << "5, 4 and 4";
+  const SimDuration longest = ReportClock::gap_max - 2ns;
+  EXPECT_EQ(reported_at({0s, longest}).usual_gap(), ReportClock::gap_max - 1ns);
+}
+
+TEST(ReportClock, is_not_lost_at_exactly_its_longest_silence) {
+  const ReportClock clock = reported_at({0s, 1s});
+  ASSERT_EQ(clock.usual_gap(), 3s);
+  EXPECT_EQ(clock.longest_silence(after), 9s);
+  EXPECT_FALSE(clock.lost(virtual_epoch + 10s, after));
+  EXPECT_TRUE(clock.lost(virtual_epoch + 10s + 1ns, after));
+}
+
+TEST(ReportClock, has_no_times_before_the_first_report) {
+  const ReportClock clock;
+  EXPECT_EQ(clock.last(), SimTime{});
+  EXPECT_EQ(clock.reported_at(), SimTime{});
+  EXPECT_EQ(clock.usual_gap(), 5s);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

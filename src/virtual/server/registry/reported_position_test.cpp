@@ -115,5 +115,27 @@ TEST(ReportedPosition, refuses_what_the_callers_must_have_checked) {
   EXPECT_DEATH(unknown.on_initialisation_sent(virtual_epoch), "pose_");
 }
 
+TEST(ReportedPosition, is_plausible_only_in_both_coordinates) {
+  constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(ReportedPosition::plausible({-1e5, 1e5, 0.0}));
+  EXPECT_FALSE(ReportedPosition::plausible({-100001.0, 0.0, 0.0}));
+  EXPECT_FALSE(ReportedPosition::plausible({0.0, 100001.0, 0.0}));
+  EXPECT_FALSE(ReportedPosition::plausible({0.0, no_number, 0.0}));
+}
+
+TEST(ReportedPosition, is_lost_until_it_is_known_again_even_where_an_implausible_one_is_reported) {
+  ReportedPosition position = known_at(0s);
+  position.on_lost(virtual_epoch + 1s, "yard", virtual_epoch + 1s);
+  position.on_implausible(virtual_epoch + 2s, "yard");
+  EXPECT_FALSE(position.known());
+  EXPECT_TRUE(position.lost_for_longer_than(1s, virtual_epoch + 3s));
+  position.on_handover({3.0, 4.0, 0.0});
+  EXPECT_TRUE(position.known());
+  EXPECT_EQ(position.pose(), (Pose2{3.0, 4.0, 0.0}));
+  EXPECT_FALSE(position.lost_for_longer_than(0s, virtual_epoch + 9s));
+  position.on_lost(virtual_epoch + 4s, "yard", virtual_epoch + 8s);
+  EXPECT_FALSE(position.lost_for_longer_than(1s, virtual_epoch + 9s)) << "a new loss";
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

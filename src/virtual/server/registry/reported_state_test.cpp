@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace cosiva::virtual_side {
 namespace {
@@ -124,6 +127,55 @@ TEST(ReportedState, ignores_a_tag_that_is_no_number) {
   EXPECT_FALSE(reported.on_state(with_tag(0s, "7a", "0.25"), true).new_tag);
   EXPECT_FALSE(reported.last_tag());
   EXPECT_DOUBLE_EQ(reported.since_tag_m(), 0.0);
+}
+
+wire::State with_information(SimDuration time, const std::string& type, std::vector<wire::Reference> references) {
+  wire::State state = state_at(time);
+  wire::Information information;
+  information.type = type;
+  information.references = std::move(references);
+  state.information.push_back(information);
+  return state;
+}
+
+TEST(ReportedState, is_not_outdated_by_a_header_id_that_is_used_again_later) {
+  ReportedState reported;
+  reported.on_state(state_at(10s, 7), true);
+  EXPECT_FALSE(reported.outdated(state_at(11s, 7).header));
+  EXPECT_FALSE(reported.outdated(state_at(10s, 6).header));
+}
+
+TEST(ReportedState, takes_limits_from_no_other_action) {
+  ReportedState reported;
+  wire::State state = with_limit(0s, "slow");
+  state.action_states.front().action_type = "pick";
+  reported.on_state(state, true);
+  EXPECT_FALSE(reported.imposed());
+  wire::State both = with_limit(1s, "fast");
+  both.action_states.push_back(with_limit(1s, "slow", wire::ActionStatus::failed).action_states.front());
+  both.action_states.push_back(state.action_states.front());
+  reported.on_state(both, true);
+  EXPECT_EQ(reported.imposed(), aiv::Profile::fast) << "the last one that finished";
+}
+
+TEST(ReportedState, takes_tags_from_no_other_information_and_needs_their_number) {
+  ReportedState reported;
+  EXPECT_FALSE(reported.on_state(with_information(0s, "firstTag", {{"tag", "7"}}), true).new_tag);
+  EXPECT_FALSE(reported.on_state(with_information(1s, "lastTag", {{"distance_m", "0.5"}}), true).new_tag);
+  EXPECT_FALSE(reported.on_state(with_information(2s, "lastTag", {{"tag", ""}}), true).new_tag);
+  EXPECT_FALSE(reported.on_state(with_information(3s, "lastTag", {{"tag", "-1"}}), true).new_tag);
+  EXPECT_FALSE(reported.last_tag());
+  EXPECT_TRUE(reported.on_state(with_information(4s, "lastTag", {{"tag", "0"}}), true).new_tag);
+  EXPECT_EQ(reported.last_tag(), 0U);
+  EXPECT_DOUBLE_EQ(reported.since_tag_m(), 0.0) << "no distance";
+}
+
+TEST(ReportedState, preserves_the_distance_where_the_tag_cannot_be_read) {
+  ReportedState reported;
+  reported.on_state(with_tag(0s, "7", "0.25"), true);
+  reported.on_state(with_tag(1s, "x", "0.5"), true);
+  EXPECT_EQ(reported.last_tag(), 7U);
+  EXPECT_DOUBLE_EQ(reported.since_tag_m(), 0.25);
 }
 
 }  // namespace

@@ -36,5 +36,16 @@ TEST(VehicleClock, is_correct_again_when_it_was_set) {
   EXPECT_FALSE(clock.is_off());
 }
 
+TEST(VehicleClock, is_off_by_a_nanosecond_more_than_two_seconds) {
+  VehicleClock clock;
+  EXPECT_EQ(clock.on_stamp(virtual_epoch - 2s - 1ns, virtual_epoch), virtual_epoch);
+  EXPECT_TRUE(clock.is_off());
+  EXPECT_EQ(clock.on_stamp(virtual_epoch + 2s + 1ns, virtual_epoch), virtual_epoch);
+  EXPECT_TRUE(clock.is_off());
+  EXPECT_EQ(clock.on_stamp(virtual_epoch, virtual_epoch), virtual_epoch);
+  EXPECT_FALSE(clock.is_off());
+  EXPECT_EQ(clock.on_stamp(virtual_epoch - 1ms, virtual_epoch), virtual_epoch - 1ms);
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/server/right_of_way/test_roads.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
@@ -161,9 +163,9 @@ TEST_F(ConvoyFixture, has_at_most_three_members) {
   begin(half_path_m);
   ASSERT_TRUE(may_join(1));
   join(1);
-  VehicleIndex ahead = 0;
+  VehicleIndex leader = 0;
   for (const VehicleIndex last : {1U, 3U}) {
-    traffic.set_position(ahead, std::nullopt);
+    traffic.set_position(leader, std::nullopt);
     give_leave(last);
     put_stopped(last, east, -half_path_m);
     const VehicleIndex next = last == 1U ? 3U : 4U;
@@ -172,7 +174,7 @@ TEST_F(ConvoyFixture, has_at_most_three_members) {
     if (next == 3U) {
       EXPECT_EQ(join(next).size, 3U);
     }
-    ahead = last;
+    leader = last;
   }
 }
 
@@ -281,6 +283,190 @@ TEST_F(ConvoyBalance, decides_wherever_the_three_vehicles_are) {
   }
   EXPECT_GT(joined, 20);
   EXPECT_GT(refused, 20);
+}
+
+/// Vehicle 0 has been granted the first road's chain, 0.72 m long, and has a base far beyond it; vehicle 1 is at its
+/// stop line behind it. While vehicle 0 is `d` before the exit, it has left after 0.3 s + d / 0.4 m/s. A vehicle that
+/// joins has left after 0.3 s + 0.72 m / 0.4 m/s + 0.4 s from standstill = 2.5 s, and vehicle 2 can begin 0.3 s later.
+class RoadConvoy : public testing::Test {
+ protected:
+  static constexpr zone::SectionId first = Roads::first;
+  static constexpr zone::SectionId second = Roads::second;
+  static constexpr double exit_s_m = 1.22;
+
+  void begin(double leader_s_m, const TrafficRules& rules = {}) {
+    roads.begin(rules);
+    roads.put(0, first, 0.5);
+    ASSERT_TRUE(roads.request(0, exit_s_m).granted);
+    roads.end_base(0, first, 5.0);
+    roads.put(0, first, leader_s_m);
+    roads.put(1, first, 0.5);
+  }
+  /// Vehicle 2 requests the crossing on the other road, as far before its stop line.
+  void refuse_other(double before_m = 0.0) {
+    roads.put(2, second, 0.5 - before_m);
+    ASSERT_FALSE(roads.request(2, exit_s_m).granted);
+  }
+  [[nodiscard]] bool may_join(VehicleIndex vehicle) { return roads.may_join(vehicle, exit_s_m); }
+  [[nodiscard]] double lost_s() const { return roads.traffic.requests().at(0).lost_s; }
+
+  Roads roads;
+};
+
+TEST_F(RoadConvoy, has_to_save_a_tenth_of_a_second) {
+  // d = 0.03 m: 2 loses 2.8 s − 0.375 s = 2.425 s. Without the convoy, 1 would have left after
+  // 0.375 s + 2.2 s + 0.3 s + 2.2 s = 5.075 s instead of 2.5 s.
+  begin(1.19);
+  refuse_other();
+  EXPECT_TRUE(may_join(1)) << "2.575 s against 2.425 s";
+  begin(1.205);
+  refuse_other();
+  EXPECT_FALSE(may_join(1)) << "2.5375 s against 2.4625 s";
+}
+
+TEST_F(RoadConvoy, counts_followers_nearer_than_seventy_centimetres) {
+  begin(1.205);
+  refuse_other();
+  roads.put(3, 1, 19.79);
+  EXPECT_FALSE(may_join(1)) << "0.71 m behind";
+  roads.put(3, 1, 19.81);
+  EXPECT_TRUE(may_join(1));
+}
+
+TEST_F(RoadConvoy, counts_no_followers_beyond_the_maximum_length) {
+  begin(1.205, {.convoy_max = 2});
+  refuse_other();
+  roads.put(3, 1, 19.81);
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(RoadConvoy, charges_waiting_vehicles_the_time_that_they_lose) {
+  begin(1.19);
+  refuse_other();
+  ASSERT_TRUE(may_join(1));
+  const Traffic::Convoy convoy = roads.traffic.join(1);
+  EXPECT_EQ(convoy.size, 2U);
+  EXPECT_THAT(convoy.crossings, testing::ElementsAre(Roads::x));
+  EXPECT_NEAR(lost_s(), 2.425, 1e-9);
+  roads.end_base(1, first, 5.0);
+  roads.traffic.set_position(0, std::nullopt);
+  roads.put(1, first, 1.19);
+  roads.put(3, first, 0.5);
+  ASSERT_TRUE(may_join(3));
+  EXPECT_EQ(roads.traffic.join(3).size, 3U);
+  EXPECT_NEAR(lost_s(), 2.0 * 2.425, 1e-9);
+  EXPECT_EQ(roads.traffic.convoys(), 2U);
+}
+
+TEST_F(RoadConvoy, charges_less_to_a_vehicle_that_has_not_arrived_at_its_stop_line) {
+  begin(1.19);
+  refuse_other(0.4);
+  ASSERT_TRUE(may_join(1));
+  (void)roads.traffic.join(1);
+  EXPECT_NEAR(lost_s(), 2.8 - 0.4 / 0.4, 1e-9);
+}
+
+TEST_F(RoadConvoy, charges_nothing_to_a_vehicle_that_arrives_later) {
+  begin(1.19);
+  roads.put(2, 3, 19.3);
+  ASSERT_FALSE(roads.traffic.request(2, 1.92, 1.2).granted);
+  ASSERT_TRUE(may_join(1));
+  (void)roads.traffic.join(1);
+  EXPECT_EQ(lost_s(), 0.0) << "it arrives after 3 s";
+}
+
+TEST_F(RoadConvoy, costs_no_vehicle_more_than_the_limit) {
+  for (const double lost_s_max : {2.42, 2.43}) {
+    begin(1.19, {.lost_s_max = lost_s_max});
+    refuse_other();
+    EXPECT_EQ(may_join(1), lost_s_max > 2.425);
+  }
+}
+
+TEST_F(RoadConvoy, ignores_vehicles_without_room_beyond_the_crossing) {
+  begin(1.205);
+  roads.put(5, second, 1.56);
+  refuse_other();
+  EXPECT_TRUE(may_join(1)) << "2 would need 0.35 m beyond its exit";
+  roads.put(5, second, 1.58);
+  refuse_other();
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(RoadConvoy, is_joined_at_most_as_far_before_the_stop_line_as_a_crossing_is_requested) {
+  begin(0.6);
+  roads.put(1, 1, 19.8);
+  EXPECT_TRUE(roads.traffic.may_join(1, 0.7 + 0.72, 0.7));
+  roads.put(1, 1, 19.79);
+  EXPECT_FALSE(roads.traffic.may_join(1, 0.71 + 0.72, 0.71));
+}
+
+TEST_F(RoadConvoy, is_joined_behind_a_leader_between_its_stop_line_and_the_room_beyond_the_exit) {
+  begin(0.5);
+  roads.put(1, first, 0.25);
+  EXPECT_TRUE(may_join(1)) << "the leader is at its stop line";
+  roads.put(0, first, 0.49);
+  EXPECT_FALSE(may_join(1));
+  begin(1.56);
+  EXPECT_TRUE(may_join(1)) << "0.34 m beyond the exit";
+  roads.put(0, first, 1.58);
+  EXPECT_FALSE(may_join(1));
+}
+
+TEST_F(RoadConvoy, needs_room_between_the_exit_and_the_end_of_the_leader_s_base) {
+  begin(1.0);
+  roads.end_base(0, first, 1.56);
+  EXPECT_FALSE(may_join(1));
+  roads.end_base(0, first, 1.58);
+  EXPECT_TRUE(may_join(1)) << "0.36 m";
+}
+
+TEST_F(RoadConvoy, needs_room_where_its_leader_s_obstacle_sensor_stops_the_leader) {
+  begin(1.0);
+  roads.put(4, first, 1.91);
+  EXPECT_FALSE(may_join(1));
+  roads.put(4, first, 1.93);
+  EXPECT_TRUE(may_join(1)) << "twice 0.35 m, and 1 cm";
+}
+
+TEST_F(RoadConvoy, needs_room_for_all_members_between_the_exit_and_the_ends_of_their_bases) {
+  struct Bases {
+    double front_s_m;
+    double rear_s_m;
+    bool joins;
+  };
+  for (const Bases& bases : {Bases{1.93, 1.58, true}, Bases{1.91, 1.58, false}, Bases{1.93, 1.56, false}}) {
+    begin(1.0);
+    ASSERT_TRUE(may_join(1));
+    (void)roads.traffic.join(1);
+    roads.end_base(1, first, bases.rear_s_m);
+    roads.put(0, first, 1.4);
+    roads.put(1, first, 1.0);
+    roads.put(3, first, 0.5);
+    roads.end_base(0, first, bases.front_s_m);
+    EXPECT_EQ(may_join(3), bases.joins) << bases.front_s_m << " " << bases.rear_s_m;
+  }
+}
+
+TEST_F(RoadConvoy, folds_its_last_member_and_its_length_into_the_digest) {
+  begin(1.0);
+  ASSERT_TRUE(may_join(1));
+  (void)roads.traffic.join(1);
+  Digest expected;
+  expected.add(std::uint64_t{0});  // the holder of x
+  expected.add(std::uint64_t{no_vehicle});
+  expected.add(std::uint64_t{1});
+  expected.add(std::uint64_t{2});
+  Digest digest;
+  roads.traffic.fold(digest);
+  EXPECT_EQ(digest, expected);
+}
+
+TEST(Intersection, of_two_lists_needs_an_element_in_common) {
+  EXPECT_TRUE(intersect({1, 2}, {3, 2}));
+  EXPECT_FALSE(intersect({1, 2}, {3, 4}));
+  EXPECT_FALSE(intersect({}, {1}));
+  EXPECT_FALSE(intersect({1}, {}));
 }
 
 }  // namespace

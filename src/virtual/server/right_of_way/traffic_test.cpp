@@ -3,6 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cosiva/base/digest.h"
+#include "cosiva/virtual/server/right_of_way/test_roads.h"
+#include "cosiva/virtual/server/right_of_way/test_straight_zone.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 
 namespace cosiva::virtual_side {
@@ -393,8 +402,481 @@ TEST_F(CloverTraffic, lets_a_base_reach_no_nearer_than_a_gap_behind_the_leader) 
   traffic.set_position(1, zone::TrackPosition{1, 1.5});
   traffic.update();
   EXPECT_EQ(traffic.ahead(0).vehicle, 1U);
-  EXPECT_NEAR(traffic.ahead(0).distance_m, 1.0, 1e-12);
+  EXPECT_NEAR(leader_of(traffic, 0).distance_m, 1.0, 1e-12);
   EXPECT_NEAR(traffic.reach_m(0), 1.0 - 0.20 - 0.10, 1e-12);
+}
+
+/// Vehicle 0 on the first road, 1 on the second, 2 on the third.
+class RoadTraffic : public testing::Test {
+ protected:
+  static constexpr zone::SectionId first = Roads::first;
+  static constexpr zone::SectionId second = Roads::second;
+  static constexpr zone::SectionId third = Roads::third;
+
+  /// Vehicle 0 is granted the first road's crossing from there on, and has a base through it.
+  void hold_first(zone::SectionId section, double s_m, double exit_m) {
+    roads.put(0, section, s_m);
+    ASSERT_TRUE(traffic.request(0, exit_m).granted);
+    roads.end_base(0, first, 1.5);
+  }
+  /// Vehicle 1 requests both crossings of its road, in vain.
+  void refuse_second() {
+    roads.put(1, second, 0.5);
+    ASSERT_FALSE(roads.request(1, 2.5).granted);
+  }
+  [[nodiscard]] Traffic::Leader leader_within(double limit_m) const { return traffic.ahead_within(0, limit_m); }
+
+  Roads roads;
+  Traffic& traffic{roads.traffic};
+};
+
+TEST_F(RoadTraffic, states_the_crossing_and_its_holder_where_a_crossing_is_held) {
+  roads.put(0, first, 0.5);
+  const auto granted = roads.request(0, 1.5);
+  EXPECT_TRUE(granted.granted);
+  EXPECT_EQ(granted.blocked_by, no_vehicle);
+  EXPECT_EQ(traffic.holder(Roads::x), 0U);
+  EXPECT_EQ(traffic.holder(Roads::y), no_vehicle);
+  roads.end_base(0, first, 1.5);
+  roads.put(2, third, 0.5);
+  ASSERT_TRUE(roads.request(2, 1.5).granted);
+  roads.end_base(2, third, 1.5);
+  roads.put(0, first, 3.0);
+  roads.put(1, second, 0.5);
+  const auto refused = roads.request(1, 2.5);
+  EXPECT_FALSE(refused.granted);
+  EXPECT_EQ(refused.waits_for, Roads::y) << "the first that is not free";
+  EXPECT_EQ(refused.blocked_by, 2U);
+  EXPECT_EQ(refused.why, WaitReason::crossing);
+  EXPECT_EQ(traffic.holder(Roads::x), no_vehicle);
+}
+
+TEST_F(RoadTraffic, states_whose_turn_it_is) {
+  roads.begin({.convoys = false});
+  hold_first(first, 0.5, 1.0);
+  refuse_second();
+  roads.put(2, third, 0.5);
+  const auto refused = roads.request(2, 1.5);
+  EXPECT_FALSE(refused.granted);
+  EXPECT_EQ(refused.waits_for, Roads::y);
+  EXPECT_EQ(refused.blocked_by, 1U);
+  EXPECT_EQ(refused.why, WaitReason::turn);
+}
+
+TEST_F(RoadTraffic, needs_a_vehicle_s_length_and_room_beyond_a_crossing) {
+  roads.put(0, first, 0.5);
+  roads.put(3, first, 1.849);
+  const auto refused = roads.request(0, 1.5);
+  EXPECT_FALSE(refused.granted);
+  EXPECT_EQ(refused.waits_for, Roads::x);
+  EXPECT_EQ(refused.blocked_by, 3U);
+  EXPECT_EQ(refused.why, WaitReason::ahead);
+  ASSERT_EQ(traffic.requests().size(), 1U);
+  EXPECT_FALSE(traffic.requests()[0].has_room);
+  roads.put(3, first, 1.851);
+  EXPECT_TRUE(roads.request(0, 1.5).granted);
+}
+
+TEST_F(RoadTraffic, grants_a_vehicle_without_a_position_nothing) {
+  EXPECT_FALSE(traffic.request(0, 1.0).granted);
+  EXPECT_THAT(traffic.requests(), IsEmpty());
+  EXPECT_FALSE(traffic.holds_all(0, 0.0));
+  EXPECT_FALSE(traffic.is_in_others_crossing(0));
+  EXPECT_EQ(leader_within(20.0).vehicle, no_vehicle);
+}
+
+TEST_F(RoadTraffic, retains_the_time_of_the_first_request_and_the_distances_of_the_last) {
+  hold_first(first, 0.5, 1.0);
+  traffic.set_time(virtual_epoch);
+  refuse_second();
+  traffic.set_time(virtual_epoch + 2s);
+  roads.put(1, second, 0.45);
+  EXPECT_FALSE(traffic.request(1, 2.05, 0.05).granted);
+  ASSERT_EQ(traffic.requests().size(), 1U);
+  const Traffic::Request& request = traffic.requests()[0];
+  EXPECT_EQ(request.vehicle, 1U);
+  EXPECT_EQ(request.since, virtual_epoch);
+  EXPECT_EQ(request.exit_m, 2.05);
+  EXPECT_EQ(request.stop_m, 0.05);
+  EXPECT_TRUE(request.has_room);
+  EXPECT_THAT(request.crossings, ElementsAre(Roads::x, Roads::y));
+}
+
+TEST_F(RoadTraffic, lists_requests_and_waiting_vehicles_by_crossing) {
+  hold_first(first, 0.5, 1.0);
+  refuse_second();
+  EXPECT_TRUE(traffic.requests(1, Roads::x));
+  EXPECT_TRUE(traffic.requests(1, Roads::y));
+  EXPECT_FALSE(traffic.requests(0, Roads::x)) << "granted";
+  EXPECT_THAT(traffic.waiting(Roads::y), ElementsAre(1));
+  traffic.withdraw(2);
+  EXPECT_TRUE(traffic.requests(1, Roads::x)) << "another vehicle's request";
+  traffic.withdraw(1);
+  EXPECT_FALSE(traffic.requests(1, Roads::x));
+  EXPECT_THAT(traffic.waiting(Roads::y), IsEmpty());
+}
+
+TEST_F(RoadTraffic, holds_all_crossings_within_a_distance_once_they_are_granted) {
+  roads.put(0, first, 0.5);
+  EXPECT_TRUE(traffic.holds_all(0, 0.2)) << "there is none";
+  EXPECT_FALSE(traffic.holds_all(0, 1.0));
+  ASSERT_TRUE(roads.request(0, 1.5).granted);
+  EXPECT_TRUE(traffic.holds_all(0, 1.0));
+}
+
+TEST_F(RoadTraffic, takes_longer_for_a_distance_from_less_than_ten_centimetres_before_the_stop_line) {
+  EXPECT_DOUBLE_EQ(traffic.run_s(0.10, 0.8), 2.0);
+  EXPECT_DOUBLE_EQ(traffic.run_s(0.099, 0.8), 2.4) << "half of 0.4 m/s by 0.5 m/s²";
+  EXPECT_DOUBLE_EQ(traffic.stopped_m(), 0.3);
+}
+
+/// The time that vehicle 1, which waits for vehicle 0, loses to vehicle 2, which starts `before_m` before its stop
+/// line. Both cross at 1.2 m, and a crossing is left 1 cm behind it; all drive at 0.4 m/s.
+class YieldedTurn : public RoadTraffic {
+ protected:
+  Traffic::Response let_by(double before_m) {
+    refuse_second();
+    roads.put(2, third, 0.5 - before_m);
+    return roads.request(2, 1.5);
+  }
+  [[nodiscard]] double lost_s() const { return traffic.requests().at(0).lost_s; }
+};
+
+TEST_F(YieldedTurn, costs_the_time_from_the_holder_s_exit_to_the_exit_of_the_vehicle_let_by) {
+  hold_first(first, 0.5, 1.0);
+  EXPECT_TRUE(let_by(0.0).granted);
+  // 0.3 s + 0.71 m / 0.4 m/s + 0.4 s from standstill − 0.71 m / 0.4 m/s
+  EXPECT_NEAR(lost_s(), 0.7, 1e-9);
+}
+
+TEST_F(YieldedTurn, costs_more_the_nearer_the_holder_is_to_its_exit) {
+  hold_first(first, 0.5, 1.0);
+  roads.put(0, first, 0.9);
+  EXPECT_TRUE(let_by(0.0).granted);
+  EXPECT_NEAR(lost_s(), 0.3 + 0.71 / 0.4 + 0.4 - 0.31 / 0.4, 1e-9);
+}
+
+TEST_F(YieldedTurn, costs_the_time_up_to_the_stop_line_but_no_acceleration_from_there) {
+  hold_first(first, 0.5, 1.0);
+  roads.put(0, first, 0.9);
+  EXPECT_TRUE(let_by(0.2).granted);
+  EXPECT_NEAR(lost_s(), 0.3 + 0.91 / 0.4 - 0.31 / 0.4, 1e-9);
+}
+
+TEST_F(YieldedTurn, costs_nothing_where_the_holder_needs_longer) {
+  hold_first(1, 19.5, 2.0);
+  EXPECT_TRUE(let_by(0.0).granted);
+  EXPECT_EQ(lost_s(), 0.0) << "the holder needs 1.71 m / 0.4 m/s = 4.3 s, the other 2.5 s";
+}
+
+TEST_F(YieldedTurn, is_limited_by_the_time_lost_in_total) {
+  for (const double lost_s_max : {1.39, 1.41}) {
+    roads.begin({.lost_s_max = lost_s_max});
+    hold_first(first, 0.5, 1.0);
+    ASSERT_TRUE(let_by(0.0).granted);
+    traffic.update();  // without a base, the grant is revoked
+    const auto second_time = roads.request(2, 1.5);
+    EXPECT_EQ(second_time.granted, lost_s_max > 1.4) << lost_s_max;
+    EXPECT_NEAR(lost_s(), lost_s_max > 1.4 ? 1.4 : 0.7, 1e-9);
+  }
+}
+
+TEST_F(YieldedTurn, ends_when_the_request_has_waited_ten_seconds) {
+  for (const SimDuration waited : {SimDuration{9999ms}, SimDuration{10s}}) {
+    roads.begin();
+    hold_first(first, 0.5, 1.0);
+    traffic.set_time(virtual_epoch);
+    refuse_second();
+    traffic.set_time(virtual_epoch + waited);
+    roads.put(2, third, 0.5);
+    EXPECT_EQ(roads.request(2, 1.5).granted, waited < 10s);
+  }
+}
+
+TEST_F(RoadTraffic, lets_the_holder_leave_a_crossing_in_which_another_vehicle_is_stopped) {
+  roads.put(0, first, 1.0);
+  roads.put(1, second, 1.0);
+  EXPECT_EQ(traffic.holder(Roads::x), 0U);
+  EXPECT_FALSE(traffic.is_in_others_crossing(0));
+  EXPECT_TRUE(traffic.is_in_others_crossing(1));
+  const auto refused = roads.request(1, 1.5);
+  EXPECT_EQ(refused.blocked_by, 0U);
+  EXPECT_EQ(refused.why, WaitReason::crossing);
+  EXPECT_TRUE(roads.request(0, 1.5).granted);
+}
+
+TEST_F(RoadTraffic, lets_no_holder_leave_a_crossing_in_which_another_vehicle_has_a_base) {
+  roads.put(0, first, 1.0);
+  roads.put(1, second, 1.0);
+  roads.end_base(1, second, 1.5);
+  EXPECT_FALSE(traffic.is_in_others_crossing(1)) << "it is not stopped";
+  const auto refused = roads.request(0, 1.5);
+  EXPECT_FALSE(refused.granted);
+  EXPECT_EQ(refused.waits_for, Roads::x);
+  EXPECT_EQ(refused.blocked_by, 1U);
+}
+
+TEST_F(RoadTraffic, has_leaders_within_six_metres_unless_they_are_searched_for_further_on) {
+  roads.put(0, first, 0.0);
+  roads.put(1, 1, 0.0);
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+  EXPECT_EQ(leader_of(traffic, 0).distance_m, 6.0);
+  roads.put(1, 1, 0.001);
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, no_vehicle);
+  roads.put(1, 1, 1.0);
+  EXPECT_EQ(leader_within(6.0).vehicle, no_vehicle);
+  EXPECT_EQ(leader_within(6.9).vehicle, no_vehicle);
+  EXPECT_EQ(leader_within(7.0).vehicle, 1U);
+  EXPECT_EQ(leader_within(7.0).distance_m, 7.0);
+  EXPECT_NEAR(traffic.reach_m(0, 6.8), 6.7, 1e-12) << "a base may end 0.3 m behind the leader";
+  EXPECT_GT(traffic.reach_m(0, 6.6), 1e6) << "no vehicle within 6.9 m";
+}
+
+TEST_F(RoadTraffic, has_a_leader_nearly_one_lap_further_on_the_same_section) {
+  roads.begin({.look_ahead_m = 30.0});
+  roads.put(0, first, 1.0);
+  roads.put(1, first, 0.5);
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+  EXPECT_DOUBLE_EQ(leader_of(traffic, 0).distance_m, 25.5);
+  EXPECT_DOUBLE_EQ(leader_of(traffic, 1).distance_m, 0.5);
+}
+
+TEST_F(RoadTraffic, lets_the_lower_number_of_two_vehicles_at_one_position_lead) {
+  roads.put(0, first, 1.0);
+  roads.put(1, first, 2.0);
+  roads.put(2, first, 2.0);
+  EXPECT_EQ(leader_of(traffic, 2).vehicle, 1U);
+  EXPECT_EQ(leader_of(traffic, 2).distance_m, 0.0);
+  EXPECT_EQ(leader_of(traffic, 1).vehicle, no_vehicle);
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 2U) << "the last of the two";
+}
+
+TEST_F(RoadTraffic, measures_a_base_of_more_than_eight_metres) {
+  roads.put(0, first, 0.5);
+  roads.end_base(0, 1, 10.0);
+  EXPECT_DOUBLE_EQ(traffic.base_m_max(0), 5.5 + 10.0 + 0.5);
+  EXPECT_EQ(traffic.base_left_m(0, {first, 0.5}), 15.5);
+  EXPECT_EQ(traffic.base_left_m(0, {1, 10.2}), 0.0) << "a little beyond its end";
+  EXPECT_EQ(traffic.base_left_m(0, {1, 10.3}), std::nullopt) << "nearly a lap before its end";
+  roads.end_base(0, first, 1.5);
+  EXPECT_EQ(traffic.base_m_max(0), 8.0);
+  roads.end_base(3, 1, 10.0);
+  EXPECT_EQ(traffic.base_m_max(3), 8.0) << "its position is unknown";
+  traffic.set_base_end(0, no_waypoint);
+  EXPECT_EQ(traffic.base_left_m(0, {first, 0.5}), std::nullopt);
+}
+
+TEST_F(RoadTraffic, discards_everything_of_a_vehicle_that_was_removed) {
+  hold_first(first, 0.5, 1.0);
+  refuse_second();
+  traffic.set_course(1, zone::Course{{second, 3}});
+  roads.end_base(1, second, 1.5);
+  traffic.set_base_passed(1, true);
+  traffic.forget(1);
+  EXPECT_EQ(traffic.track_position(1), std::nullopt);
+  EXPECT_EQ(traffic.base_end(1), no_waypoint);
+  EXPECT_FALSE(traffic.base_passed(1));
+  EXPECT_TRUE(traffic.course(1).empty());
+  EXPECT_FALSE(traffic.on_course(1));
+  EXPECT_THAT(traffic.requests(), IsEmpty());
+  EXPECT_EQ(traffic.base_end(0), roads.waypoint(first, 1.5));
+}
+
+TEST_F(RoadTraffic, discards_positions_holds_and_requests_with_the_map) {
+  hold_first(first, 0.5, 1.0);
+  refuse_second();
+  traffic.set_map(&roads.map);
+  EXPECT_EQ(traffic.track_position(0), std::nullopt);
+  EXPECT_EQ(traffic.base_end(0), no_waypoint);
+  EXPECT_EQ(traffic.holder(Roads::x), no_vehicle);
+  EXPECT_THAT(traffic.requests(), IsEmpty());
+  Digest digest;
+  traffic.fold(digest);
+  Digest empty;
+  empty.add(std::uint64_t{no_vehicle});
+  empty.add(std::uint64_t{no_vehicle});
+  EXPECT_EQ(digest, empty) << "nor is any pass known";
+}
+
+TEST_F(RoadTraffic, folds_holders_requests_and_passes_into_the_digest) {
+  hold_first(first, 0.5, 1.0);
+  traffic.set_time(virtual_epoch);
+  refuse_second();
+  Digest expected;
+  expected.add(std::uint64_t{0});  // the holder of x
+  expected.add(std::uint64_t{no_vehicle});
+  expected.add(std::uint64_t{1});  // its request
+  expected.add(virtual_epoch);
+  expected.add(std::uint64_t{0});  // the last vehicle of the pass, and their number
+  expected.add(std::uint64_t{1});
+  Digest digest;
+  traffic.fold(digest);
+  EXPECT_EQ(digest, expected);
+  roads.put(0, first, 3.0);
+  ASSERT_TRUE(roads.request(1, 2.5).granted);
+  Digest later;
+  for (const unsigned number : {1U, 1U, 1U, 1U}) later.add(std::uint64_t{number});  // two holders, one pass
+  Digest folded;
+  traffic.fold(folded);
+  EXPECT_EQ(folded, later) << "a pass of the same crossing replaces the earlier one";
+}
+
+/// Section 0 forks into the sections 1 and 2, of 4 m each, which merge into section 3. A crossing is on section 2.
+/// Vehicle 0 is 0.5 m before the fork.
+class ForkTraffic : public testing::Test {
+ protected:
+  ForkTraffic() {
+    traffic.set_map(&map);
+    traffic.resize(2);
+    put(0, {0, 0.5});
+  }
+  void put(VehicleIndex vehicle, zone::TrackPosition position) {
+    traffic.set_position(vehicle, position);
+    traffic.update();
+  }
+  static constexpr WaypointIndex on_branch = 2;
+  WaypointGraph map{std::make_shared<const zone::TrafficZone>(
+      straight_zone({{1.0, {1, 2}}, {4.0, {3}}, {4.0, {3}}, {1.0, {0}}},
+                    {{"A", {0, 0.5}}, {"B", {1, 2.0}}, {"C", {2, 2.0}}, {"D", {3, 0.5}}},
+                    {{"x", {}, {{2, 0.8, 1.2}, {2, 1.3, 1.4}}}}))};
+  Traffic traffic;
+};
+
+TEST_F(ForkTraffic, counts_a_body_on_another_branch_for_half_a_length) {
+  put(1, {2, 0.1});
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+  EXPECT_DOUBLE_EQ(leader_of(traffic, 0).distance_m, 0.6);
+  put(1, {2, 0.101});
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, no_vehicle);
+}
+
+TEST_F(ForkTraffic, finds_the_leader_anew_whenever_the_course_changes) {
+  put(1, {2, 1.0});
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, no_vehicle);
+  traffic.set_course(0, zone::Course{{0, 2}});
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+  EXPECT_DOUBLE_EQ(leader_of(traffic, 0).distance_m, 1.5);
+  traffic.cut_course(0, 0);
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, no_vehicle);
+  traffic.extend_course(0, std::vector<zone::SectionId>{2});
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+  traffic.follow(0, {1, 0.1});
+  EXPECT_FALSE(traffic.on_course(0));
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, no_vehicle);
+  traffic.follow(0, {0, 0.5});
+  EXPECT_TRUE(traffic.on_course(0));
+  EXPECT_EQ(leader_of(traffic, 0).vehicle, 1U);
+}
+
+TEST_F(ForkTraffic, holds_crossings_along_the_course_to_the_end_of_the_base) {
+  traffic.set_base_end(0, on_branch);
+  traffic.update();
+  EXPECT_EQ(traffic.base_left_m(0, {0, 0.5}), std::nullopt) << "the default leads elsewhere";
+  EXPECT_EQ(traffic.holder(0), no_vehicle);
+  traffic.set_course(0, zone::Course{{0, 2}});
+  traffic.update();
+  EXPECT_EQ(traffic.base_left_m(0, {0, 0.5}), 2.5);
+  EXPECT_EQ(traffic.base_left_m(0, {2, 0.5}), 1.5) << "from another section than the course's present one";
+  EXPECT_THAT(traffic.needs(0), ElementsAre(0U));
+  EXPECT_EQ(traffic.holder(0), 0U);
+  traffic.cut_course(0, 0);
+  traffic.update();
+  EXPECT_EQ(traffic.holder(0), no_vehicle);
+  traffic.extend_course(0, std::vector<zone::SectionId>{2});
+  traffic.update();
+  EXPECT_EQ(traffic.holder(0), 0U);
+}
+
+TEST_F(ForkTraffic, has_a_course_only_while_it_leads_over_the_vehicle_s_section) {
+  traffic.set_course(0, zone::Course{{0, 2, 3}});
+  EXPECT_TRUE(traffic.on_course(0));
+  EXPECT_THAT(traffic.remaining(0), ElementsAre(2U, 3U));
+  EXPECT_THAT(traffic.traversed(0), IsEmpty());
+  put(0, {2, 0.5});
+  EXPECT_THAT(traffic.remaining(0), ElementsAre(3U));
+  EXPECT_THAT(traffic.traversed(0), ElementsAre(0U));
+  put(0, {1, 0.5});
+  EXPECT_FALSE(traffic.on_course(0));
+  EXPECT_THAT(traffic.remaining(0), IsEmpty());
+  EXPECT_THAT(traffic.traversed(0), IsEmpty());
+  traffic.set_course(0, zone::Course{});
+  EXPECT_FALSE(traffic.on_course(0));
+  traffic.set_position(1, std::nullopt);
+  traffic.set_course(1, zone::Course{{0, 2}});
+  EXPECT_TRUE(traffic.on_course(1)) << "without a position";
+}
+
+/// A loop of six metres, shorter than the longest base that is not measured.
+TEST(ShortLoop, is_driven_round_again_unless_the_end_of_the_base_was_passed) {
+  const WaypointGraph map{std::make_shared<const zone::TrafficZone>(straight_zone(
+      {{3.0, {1}}, {3.0, {0}}}, {{"A", {0, 0.5}}, {"B", {1, 0.5}}}, {{"x", {}, {{1, 0.8, 1.2}, {1, 1.3, 1.4}}}}))};
+  Traffic traffic;
+  traffic.set_map(&map);
+  traffic.resize(1);
+  traffic.set_position(0, zone::TrackPosition{0, 0.6});
+  traffic.set_base_end(0, 0);
+  traffic.update();
+  EXPECT_NEAR(*traffic.base_left_m(0, {0, 0.6}), 5.9, 1e-9);
+  EXPECT_EQ(traffic.holder(0), 0U);
+  traffic.set_base_passed(0, true);
+  traffic.update();
+  EXPECT_EQ(traffic.base_left_m(0, {0, 0.6}), 0.0);
+  EXPECT_EQ(traffic.holder(0), no_vehicle);
+  traffic.set_base_end(0, 1);
+  EXPECT_FALSE(traffic.base_passed(0)) << "another base";
+  EXPECT_NEAR(*traffic.base_left_m(0, {0, 0.6}), 2.9, 1e-9);
+}
+
+/// A loop of four sections of 1 m, and a course round it.
+class BeyondBase : public testing::Test {
+ protected:
+  BeyondBase() {
+    traffic.set_map(&map);
+    traffic.resize(1);
+    traffic.set_position(0, zone::TrackPosition{0, 0.5});
+    traffic.set_course(0, zone::Course{{0, 1, 2, 3}});
+  }
+  WaypointGraph map{std::make_shared<const zone::TrafficZone>(straight_zone(
+      {{1.0, {1}}, {1.0, {2}}, {1.0, {3}}, {1.0, {0}}}, {{"A", {0, 0.75}}, {"B", {0, 0.9}}, {"C", {2, 0.5}}}))};
+  Traffic traffic;
+};
+
+TEST_F(BeyondBase, are_the_sections_after_the_one_that_the_base_ends_on) {
+  traffic.set_base_end(0, 2);
+  const Traffic::Beyond beyond = traffic.beyond_base(0, {0, 0.5});
+  EXPECT_EQ(beyond.keep, 2U);
+  EXPECT_THAT(beyond.sections, ElementsAre(3U));
+}
+
+TEST_F(BeyondBase, are_all_remaining_sections_where_the_base_ends_on_the_present_one) {
+  traffic.set_base_end(0, 0);
+  for (const double s_m : {0.5, 0.75}) {
+    const Traffic::Beyond beyond = traffic.beyond_base(0, {0, s_m});
+    EXPECT_EQ(beyond.keep, 0U);
+    EXPECT_THAT(beyond.sections, ElementsAre(1U, 2U, 3U));
+  }
+}
+
+TEST_F(BeyondBase, begin_with_the_sections_that_the_vehicle_went_onto) {
+  traffic.set_base_end(0, 1);
+  traffic.set_position(0, zone::TrackPosition{1, 0.14});
+  for (const bool passed : {false, true}) {
+    traffic.set_base_passed(0, passed);
+    const Traffic::Beyond beyond = traffic.beyond_base(0, {1, 0.14});
+    EXPECT_EQ(beyond.keep, 0U);
+    EXPECT_THAT(beyond.sections, ElementsAre(1U, 2U, 3U)) << passed;
+  }
+}
+
+TEST_F(BeyondBase, are_none_where_the_vehicle_is_far_beyond_its_base) {
+  traffic.set_base_end(0, 1);
+  traffic.set_position(0, zone::TrackPosition{1, 0.16});
+  for (const bool passed : {false, true}) {
+    traffic.set_base_passed(0, passed);
+    const Traffic::Beyond beyond = traffic.beyond_base(0, {1, 0.16});
+    EXPECT_EQ(beyond.keep, 0U);
+    EXPECT_THAT(beyond.sections, IsEmpty()) << passed;
+  }
 }
 
 // ---- whole fleets ----

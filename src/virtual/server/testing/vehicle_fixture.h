@@ -15,8 +15,10 @@
 #include "cosiva/base/math.h"
 #include "cosiva/base/test_paths.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/runtime/core.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/zone/circuit/path_snap.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 /// For tests: zones, and vehicles that obey VDA 5050 strictly (every order goes through aiv::OrderBook) and drive at
 /// constant speed.

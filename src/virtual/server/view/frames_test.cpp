@@ -162,6 +162,59 @@ TEST(PositionFrames, never_contain_a_position_that_is_not_a_number) {
   EXPECT_EQ(read(bytes, 28, 8), 0U);
 }
 
+TEST(PositionFrames, state_kind_augmentation_and_blocking_in_bits_of_one_byte) {
+  const auto byte_of = [](Kind kind, bool augmented, bool blocked) {
+    PositionRecord record{7, kind};
+    record.augmented = augmented;
+    record.blocked = blocked;
+    PositionFrames frames;
+    return read(frames.encode(0.0, std::span{&record, 1}).bytes, 24 + 2, 1);
+  };
+  EXPECT_EQ(byte_of(Kind::aiv, false, false), 0U);
+  EXPECT_EQ(byte_of(Kind::aiv, true, false), 4U);
+  EXPECT_EQ(byte_of(Kind::aiv, false, true), 8U);
+  EXPECT_EQ(byte_of(Kind::obstacle, true, true), 2U + 4U + 8U);
+}
+
+TEST(PositionFrames, round_to_the_nearest_unit_up_to_the_last_that_fits) {
+  PositionRecord record{7};
+  record.speed_mps = 32.767F;
+  record.reported_dx_m = -32.768F;
+  record.reported_dy_m = -0.0016F;
+  record.heading_rad = -0.00016F;
+  PositionFrames frames;
+  const std::string bytes = frames.encode(0.0, std::span{&record, 1}).bytes;
+  const auto field = [&](std::size_t i) { return static_cast<std::int16_t>(read(bytes, 24 + 12 + 2 * i, 2)); };
+  EXPECT_EQ(field(0), -2);
+  EXPECT_EQ(field(1), 32767);
+  EXPECT_EQ(field(2), -32768);
+  EXPECT_EQ(field(3), -2);
+}
+
+TEST(PositionFrames, are_all_key_frames_where_each_is_requested) {
+  PositionFrames frames{1};
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(frames.encode(0.0, {}).key);
+}
+
+TEST(PositionFrames, of_no_records_are_a_header_alone) {
+  PositionFrames frames;
+  EXPECT_EQ(frames.encode(0.0, {}).bytes.size(), PositionFrames::header_bytes);
+  const auto delta = frames.encode(1.0, {});
+  EXPECT_EQ(delta.bytes.size(), PositionFrames::header_bytes);
+  EXPECT_EQ(read(delta.bytes, 12, 4), 0U);
+}
+
+TEST(PositionFrames, number_deltas_after_a_requested_key_frame_from_that_key_frame) {
+  PositionFrames frames{3};
+  (void)frames.encode(0.0, {});
+  (void)frames.encode(0.0, {});
+  frames.request_key();
+  (void)frames.encode(0.0, {});  // the third frame
+  EXPECT_EQ(read(frames.encode(0.0, {}).bytes, 8, 4), 3U);
+  EXPECT_FALSE(frames.encode(0.0, {}).key);
+  EXPECT_TRUE(frames.encode(0.0, {}).key) << "three frames after the last key frame";
+}
+
 TEST(PositionFramesDeathTest, unsorted_records_violate_the_contract) {
   PositionFrames frames;
   const std::vector<PositionRecord> twice{{2}, {2}};

@@ -40,14 +40,14 @@ std::optional<wire::Action> MapDeployment::next_action(VehicleIndex vehicle, con
 bool MapDeployment::in_progress(Step& step) const {
   if (step.handle == 0) return false;
   const InstantActionSender::PendingAction* pending_action = action_sender_.find(step.handle);
-  const bool done = pending_action == nullptr ||
-                    std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
-                      return action.detected && (action.status == wire::ActionStatus::finished ||
-                                                 action.status == wire::ActionStatus::failed);
-                    });
+  const bool done =
+      pending_action == nullptr ||
+      std::ranges::all_of(pending_action->actions, [](const InstantActionSender::Progress& action) {
+        return action.status == wire::ActionStatus::finished || action.status == wire::ActionStatus::failed;
+      });
   if (!done && publisher_.now() - step.sent_at < timeout) return true;
-  const bool finished = pending_action != nullptr && !pending_action->actions.empty() &&
-                        pending_action->actions.front().status == wire::ActionStatus::finished;
+  const bool finished =
+      pending_action != nullptr && pending_action->actions.front().status == wire::ActionStatus::finished;
   // The next state may have been sent before the action; and a failed action is not requested continuously.
   step.not_before = publisher_.now() + (finished ? SimDuration{std::chrono::seconds{1}} : again_after);
   action_sender_.drop(std::exchange(step.handle, 0));

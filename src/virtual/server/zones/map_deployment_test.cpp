@@ -154,5 +154,94 @@ TEST_F(Deployment, requests_nothing_from_a_vehicle_without_a_factsheet) {
     EXPECT_THAT(orders.actions_to(unknown, type), IsEmpty()) << type;
 }
 
+TEST_F(Deployment, repeats_an_earlier_request_no_more_once_another_zone_is_in_force) {
+  step();
+  orders.pass(300ms);
+  orders.actions.tick(orders.server.registry, true);
+  ASSERT_EQ(sent_count(), 2U) << "not acknowledged within 300 ms";
+  maps.begin();
+  orders.pass(300ms);
+  orders.actions.tick(orders.server.registry, true);
+  EXPECT_EQ(sent_count(), 2U);
+}
+
+TEST_F(Deployment, begins_at_once_with_another_zone_although_an_action_has_just_failed) {
+  step();
+  report(sent("downloadMap")[0], wire::ActionStatus::failed);
+  maps.begin();
+  step();
+  EXPECT_EQ(sent_count(), 2U);
+}
+
+TEST_F(Deployment, waits_ten_seconds_where_its_action_is_followed_no_longer) {
+  step();
+  orders.actions.forget(vehicle);
+  step();
+  orders.pass(9999ms);
+  step();
+  EXPECT_EQ(sent_count(), 1U);
+  orders.pass(1ms);
+  step();
+  EXPECT_EQ(sent_count(), 2U);
+}
+
+TEST_F(Deployment, follows_an_action_that_continues_for_up_to_ten_seconds) {
+  step();
+  orders.pass(9s);
+  report(sent("downloadMap")[0], wire::ActionStatus::running);
+  orders.pass(999ms);
+  report(sent("downloadMap")[0], wire::ActionStatus::finished);
+  orders.pass(1s);
+  step();
+  EXPECT_EQ(sent_count(), 2U) << "finished in time: the next step after a second";
+}
+
+TEST_F(Deployment, downloads_to_a_vehicle_that_lists_no_maps_where_it_can) {
+  list_maps({});
+  step();
+  EXPECT_THAT(sent("downloadMap"), SizeIs(1));
+  EXPECT_EQ(sent_count(), 1U);
+}
+
+TEST_F(Deployment, initialises_a_vehicle_that_lists_no_maps_where_there_is_no_link) {
+  list_maps({});
+  step("");
+  EXPECT_THAT(sent("initPosition"), SizeIs(1));
+  EXPECT_EQ(sent_count(), 1U);
+}
+
+TEST_F(Deployment, requests_nothing_where_no_action_is_left) {
+  list_actions({"downloadMap", "enableMap"});
+  list_maps({{"oval", "2", "", true}});
+  step();
+  EXPECT_EQ(sent_count(), 0U);
+}
+
+TEST_F(Deployment, initialises_no_vehicle_whose_position_was_never_reported) {
+  const VehicleIndex lost = orders.add("agv-9", "Acme");
+  maps.resize(2);
+  wire::Factsheet factsheet;
+  factsheet.actions.push_back({"initPosition", "", true, false, false, {}});
+  orders.proxy(lost).factsheet.on_factsheet(factsheet);
+  maps.step(lost, {"oval", "2", ""});
+  orders.report_field(lost, &wire::State::driving, false);
+  maps.step(lost, {"oval", "2", ""});
+  EXPECT_THAT(orders.actions_to(lost, "initPosition"), IsEmpty());
+}
+
+TEST_F(Deployment, follows_each_vehicle_by_itself) {
+  const VehicleIndex other = orders.add_at("agv-8", orders.at("north", 0.5), "Acme");
+  maps.resize(2);
+  wire::Factsheet factsheet;
+  factsheet.actions.push_back({"initPosition", "", true, false, false, {}});
+  orders.proxy(other).factsheet.on_factsheet(factsheet);
+  step();
+  maps.step(other, {"oval", "2", ""});
+  maps.step(other, {"oval", "2", ""});
+  EXPECT_EQ(sent_count(), 1U);
+  ASSERT_THAT(orders.actions_to(other, "initPosition"), SizeIs(1));
+  EXPECT_NEAR(*orders.actions_to(other, "initPosition")[0].number("y"), 1.0, 1e-9) << "the north side of the oval";
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -266,5 +266,69 @@ TEST(DecodedCommand, reads_that_a_battery_is_ready) {
   EXPECT_FALSE(unknown.cycles.has_value());
 }
 
+TEST(DecodedCommand, states_what_a_command_is_and_why_a_text_is_none) {
+  const std::string expected = R"(a command is a JSON object like {"command":"stop","vehicle":"*"})";
+  EXPECT_EQ(fault_of("[]").error.message, expected) << "JSON, but no object";
+  EXPECT_EQ(fault_of("7").error.message, expected);
+  EXPECT_THAT(fault_of("no json").error.message, testing::StartsWith(expected + "; this is none: "));
+  EXPECT_EQ(fault_of("no json").by, By::vehicles);
+  EXPECT_EQ(fault_of(R"({"command":7,"vehicle":"*"})").error.code, "command.missing");
+  EXPECT_EQ(fault_of(R"({"command":"stop","vehicle":7})").error.location, "vehicle");
+}
+
+TEST(DecodedCommand, cuts_each_name_of_a_list_after_80_bytes) {
+  const std::string limit(80, 'n');
+  const auto command =
+      decoded<VehicleCommand>(R"({"command":"stop","vehicles":[")" + limit + "\",\"" + limit + "x\"]}");
+  EXPECT_THAT(command.vehicle_names, ElementsAre(limit, limit));
+}
+
+TEST(DecodedCommand, to_all_has_one_star_alone) {
+  EXPECT_FALSE(decoded<VehicleCommand>(R"({"command":"stop","vehicle":"a/b"})").all());
+  EXPECT_FALSE(decoded<VehicleCommand>(R"({"command":"stop","vehicle":"**"})").several);
+  EXPECT_TRUE(decoded<VehicleCommand>(R"({"command":"stop","vehicle":"*"})").several);
+}
+
+TEST(DecodedCommand, has_a_speed_only_where_it_limits) {
+  EXPECT_EQ(decoded<VehicleCommand>(R"({"command":"slow","vehicle":"*","speed":0.25})").speed_mps, 0.0);
+  EXPECT_EQ(decoded<VehicleCommand>(R"({"command":"dance","vehicle":"*","speed":9})").speed_mps, 0.0);
+  EXPECT_EQ(fault_of(R"({"command":"limit","vehicle":"*"})").error.code, "command.speed");
+}
+
+TEST(DecodedCommand, that_a_battery_is_ready_distinguishes_wrong_numbers_from_absent_ones) {
+  const auto wrong = decoded<BatteryReadyCommand>(
+      R"({"command":"batteryReady","cycles":"many","rest_s":[],"temperature":true,"charge":{}})");
+  EXPECT_EQ(wrong.vehicle, "");
+  EXPECT_EQ(wrong.battery, "");
+  for (const OptionalNumber& number : {wrong.cycles, wrong.rest_s, wrong.temperature_c, wrong.charge_percent})
+    EXPECT_TRUE(std::isnan(number.value_or(0.0)));
+  const auto absent = decoded<BatteryReadyCommand>(
+      R"({"command":"batteryReady","cycles":null,"rest_s":null,"temperature":null,"charge":null})");
+  for (const OptionalNumber& number : {absent.cycles, absent.rest_s, absent.temperature_c, absent.charge_percent})
+    EXPECT_FALSE(number.has_value());
+}
+
+TEST(DecodedCommand, to_the_emulated_world_has_a_radius_that_may_be_left_out) {
+  const auto add =
+      decoded<PlantCommand>(R"({"command":"plant","plant":{"addObstacle":{"x":null,"radius":null,"id":7}}})");
+  EXPECT_EQ(add.act, PlantCommand::Act::add);
+  EXPECT_FALSE(add.id.has_value()) << "no text";
+  EXPECT_TRUE(add.x_m.has_value());
+  EXPECT_FALSE(add.y_m.has_value());
+  EXPECT_FALSE(add.radius_m.has_value());
+  EXPECT_EQ(decoded<RadioCommand>(R"({"command":"radio","loss":"all"})").loss_ratio, -1.0);
+}
+
+TEST(DecodedCommand, to_switch_states_the_origin_of_the_refused_zone_where_there_is_one) {
+  EXPECT_EQ(fault_of(R"({"command":"switch"})").by, By::zone_switch);
+  EXPECT_EQ(fault_of(R"({"command":"switch"})").origin, "");
+  EXPECT_EQ(fault_of(R"({"command":"switch","zone":{}})").origin, "");
+  EXPECT_EQ(fault_of(R"({"command":"switch","zone":{}})").by, By::zone_switch);
+  const auto stated = decoded<SwitchCommand>(
+                          R"({"command":"switch","zone":{"format":"toml","origin":"a.toml","text":"b","sidecar":"c"}})")
+                          .zone;
+  EXPECT_EQ(stated, (zone::ZoneConfiguration{"toml", "a.toml", "b", "c"}));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side
