@@ -425,5 +425,24 @@ TEST(BranchChoice, changes_to_the_next_fork_halfway_between_two_that_are_near_to
   EXPECT_EQ(chosen_branch(zone, 1.23), int{wire::no_branch});
 }
 
+TEST(BranchChoice, is_that_of_the_next_of_two_forks_exactly_halfway_between_them) {
+  const zone::TrafficZone zone = test::graph("comb",
+                                             {{"stem", {0.0, 0.0, 0.0}, 1.0, 0.0, {1, 2}},
+                                              {"between", {1.0, 0.0, 0.0}, 0.125, 0.0, {3, 4}},
+                                              {"left", {1.0, 0.0, 0.0}, 1.0, 0.5, {}},
+                                              {"on", {1.125, 0.0, 0.0}, 1.0, 0.0, {}},
+                                              {"right", {1.125, 0.0, 0.0}, 1.0, -0.5, {}}},
+                                             {{"start", {0, 0.0}}, {"end", {4, 0.5}}});
+  PositionEstimator position{zone};
+  position.position_at({0, 0.0});
+  OrderBook book{zone};
+  ASSERT_TRUE(book.offer(order("O").through({"start", "end"}), {{0, 0.0}, true}));
+  position.follow(book.course_from(position.track_position()));
+  position.position_at({1, 0.0624});
+  EXPECT_EQ(int{choose_branch(zone.circuit, position, book)}, 0);
+  position.position_at({1, 0.0625});
+  EXPECT_EQ(int{choose_branch(zone.circuit, position, book)}, 1);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -189,6 +189,20 @@ TEST(Particles, weigh_readings_and_ranges_by_their_likelihood) {
   EXPECT_NEAR(*particles.estimate().along_m, mean + 1.0, 0.004);
 }
 
+TEST(Particles, stay_with_the_vehicle_because_they_are_drawn_again) {
+  Setting setting = exact(testing::straight(), 0.0);
+  setting.particles = 500;
+  setting.sensors.distance_variance_per_m = 0.01;
+  setting.sensors.fiducial_along_sigma_m = 0.02;
+  ParticleFilter particles{setting};
+  // 7 cm of uncertainty in each step: the first particles would end 30 cm apart.
+  for (int step = 1; step <= 19; ++step) {
+    particles.predict({0.5, 0.0, 1.0});
+    particles.rectify(Reading{1, {0.5 * step, 0.0}, {}});
+    EXPECT_NEAR(particles.estimate().pose.x_m, 0.5 * step, 0.01) << step;
+  }
+}
+
 TEST(Particles, are_the_same_by_the_same_seed_alone) {
   Setting setting = exact(testing::straight(), 2.0);
   setting.start_sigma_m = 0.1;

@@ -9,6 +9,7 @@
 
 #include "cosiva/base/math.h"
 
+#include "cosiva/aiv/testing/test_graphs.h"
 #include "cosiva/aiv/testing/test_zone.h"
 
 namespace cosiva::aiv {
@@ -468,6 +469,22 @@ TEST(Estimating, reports_a_beacon_at_the_rim_of_the_antenna_and_as_far_off_the_p
   }
   EXPECT_NEAR(detected_off_path(0.021).x_m, 0.25 * pi * 0.02 - 0.01, 1e-9) << "beyond the field";
   EXPECT_EQ(detected_off_path(0.021).y_m, 0.0);
+}
+
+TEST(Estimating, reports_zeros_without_a_sign) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"dead_reckoning"});
+  vehicle.response();
+  vehicle.step();
+  // At the start of a section that leads west, left is −1·0 − sin π·0 = −0.
+  zone::TrafficZone zone = test::graph("west", {{"west", {0.0, 0.0, pi}, 1.0, 0.0, {}}}, {});
+  zone.tags = {{7, {0, 0.0}}};
+  vehicle.estimating.on_tag(7, vehicle.now, zone, {0.0, 0.0, pi});
+  vehicle.request_estimate(++vehicle.last_sequence);
+  vehicle.step();
+  const auto json = vehicle.estimating.take_response();
+  ASSERT_TRUE(json);
+  EXPECT_THAT(*json, HasSubstr(R"("left_m":0})"));
 }
 
 TEST(Estimating, returns_to_its_loop_without_a_trace) {

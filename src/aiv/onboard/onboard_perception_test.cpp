@@ -402,6 +402,19 @@ TEST(ZoneEdit, a_moved_tag_rectifies_at_its_new_position_while_the_vehicle_drive
   EXPECT_GT(fixture.speed_mps, 0.39);
 }
 
+TEST(ZoneEdit, makes_another_version_of_the_zone_until_it_is_undone) {
+  Driving fixture;
+  const auto reported_after = [&](const std::string& text) {
+    fixture.receive("cosiva/v1/zone/toml", text, true);
+    fixture.run(0.5);
+    return fixture.state().maps.at(0).map_version;
+  };
+  const std::string with_moved_tag = edited("s_m = 1.4137", "s_m = 1.3637");
+  EXPECT_EQ(reported_after(with_moved_tag), zone::version_of({"toml", "", with_moved_tag}));
+  const std::string original = test::lacet4_configuration().text;
+  EXPECT_EQ(reported_after(original), zone::version_of({"toml", "", original}));
+}
+
 TEST(ZoneEdit, another_beacon_pitch_is_in_force_at_once) {
   // Northwards at x = 0.15 the path meets beacons of the old grid at y = 0.15 + 0.30 n; of the new one at 0.15 + 0.25
   // n.

@@ -78,6 +78,7 @@ TEST_F(V2xParticipantTest, changes_its_cell_more_than_30_cm_outside) {
   EXPECT_FALSE(changes_at(0.29));
   EXPECT_TRUE(changes_at(0.31));
   EXPECT_FALSE(changes_at(-0.29)) << "now the other cell is the vehicle's";
+  EXPECT_FALSE(changes_at(-0.3)) << "exactly";
   EXPECT_TRUE(changes_at(-0.31));
 }
 

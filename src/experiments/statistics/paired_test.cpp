@@ -200,6 +200,11 @@ TEST(RunsToDecide, of_few_runs_are_those_that_have_the_power) {
   EXPECT_EQ(runs_to_decide(std::vector{2.0, 2.0, 2.0}), 6U);
 }
 
+// Thirty unanimous runs have 2/2³⁰ = 1.9e-9, so that none of the numbers that are simulated shows a level of 1e-9.
+TEST(RunsToDecide, are_not_raised_beyond_thirty) {
+  EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}, 1e-9), 30U);
+}
+
 TEST(RunsToDecide, must_have_a_p_below_the_level_and_not_equal_to_it) {
   // Six unanimous runs have 2/2⁶ = 0.03125.
   EXPECT_EQ(runs_to_decide(std::vector{1.0, 1.001, 0.999}, 0.03125), 7U);

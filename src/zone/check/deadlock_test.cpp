@@ -290,6 +290,22 @@ TrafficZone crowded_row(int sections, int waypoints, std::vector<SectionId> last
   return zone;
 }
 
+TEST(DeadlockSpots, are_long_rows_in_both_directions_of_one_track) {
+  Circuit::Part there = part("there", section({}, 1.0), {1});
+  Circuit::Part back = part("back", section({1.0, 0.0, pi}, 1.0), {0});
+  there.pivots = back.pivots = true;
+  TrafficZone zone = zone_of({there, back});
+  zone.crossings = std::vector<Crossing>{{"X1", {}, {{0, 0.0, 1.0}, {1, 0.0, 1.0}}}};
+  std::vector<TrackPosition> positions;
+  for (const SectionId id : {0U, 1U})
+    for (int i = 1; i <= 17; ++i) positions.push_back({id, 0.05 * i});
+  set_waypoints(zone, positions);
+  const auto found = of_code(zone, "deadlock.no_room");
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_THAT(found[0].text, HasSubstr("from 'there' on crossings follow each other over 17 stretches"));
+  EXPECT_THAT(found[1].text, HasSubstr("from 'back' on crossings follow each other over 17 stretches"));
+}
+
 TEST(DeadlockSpots, are_rows_from_seventeen_stretches_on_and_end_at_a_waiting_position) {
   const auto no_room = [](const TrafficZone& zone) { return of_code(zone, "deadlock.no_room"); };
   EXPECT_THAT(no_room(crowded_row(16, 1)), IsEmpty());

@@ -230,6 +230,13 @@ TEST(Draw, follows_the_vehicle_with_all_its_sizes) {
                                         {1.0 - side_m, 2.0 + side_m},
                                         {1.0 - side_m, 2.0 - side_m}});
 
+    // The outline is drawn, and no other size.
+    for (const Primitive& primitive : all) {
+      if (primitive.shape == Primitive::Shape::polygon) {
+        EXPECT_EQ(primitive.size_m, 0.0) << primitive.layer;
+      }
+    }
+
     const auto labels = of_layer(all, "label");
     ASSERT_EQ(labels.size(), 3U);
     for (const Primitive& label : labels) EXPECT_DOUBLE_EQ(label.size_m, 0.45 * width_m);

@@ -409,6 +409,20 @@ TEST(GeneratedPlant, leaves_out_the_wanted_ratio_of_bays) {
   EXPECT_NEAR(static_cast<double>(bays(0.25)), 50.0, 4.0 * std::sqrt(200 * 0.25 * 0.75));
 }
 
+TEST(GeneratedPlant, writes_the_start_of_a_section_only_where_it_does_not_continue_the_one_before) {
+  const std::string text = *generate_plant({.rows = 1, .aisles = 1, .bays = 1, .bay_ratio = 1.0});
+  const auto section = [&](const std::string& name) {
+    const std::size_t at = text.find("[[section]]\nname = \"" + name + "\"\n");
+    EXPECT_NE(at, std::string::npos) << name;
+    return at == std::string::npos ? name : text.substr(at, text.find("\n\n", at) - at);
+  };
+  for (const char* continues : {"a1xo", "a1b1q", "a1b1s", "a1b1t", "a1b1u", "a1yo", "e1xo", "w1yo"})
+    EXPECT_THAT(section(continues), ::testing::Not(HasSubstr("start = {"))) << continues;
+  // The first section, those elsewhere, and the first into the bay, which is written after the section past the bay.
+  for (const char* begins : {"a1xi", "e1xi", "w1xi", "a1b1p", "b1l1"})
+    EXPECT_THAT(section(begins), HasSubstr("start = {")) << begins;
+}
+
 TEST(GeneratedPlant, begins_its_file_with_the_options_and_writes_numbers_to_a_micrometre) {
   const std::string text =
       *generate_plant({.name = "hangar", .rows = 2, .aisles = 3, .bays = 1, .seed = 9, .vehicle = {0.7, 0.33}});

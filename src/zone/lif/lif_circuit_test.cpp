@@ -189,6 +189,19 @@ TEST(LifPieces, become_one_section_with_their_stations_inside) {
   EXPECT_THAT(drawn.texts(), IsEmpty());
 }
 
+TEST(LifPieces, leave_a_station_at_their_end_to_the_edge_that_comes_first) {
+  Drawn drawn;
+  for (const double x_m : {0.0, 1.0, 3.0}) drawn.node({x_m, 0.0});
+  drawn.edge("first", drawn.node({3.0, 2.0}), 2);
+  drawn.piece("X", 0, 1);
+  drawn.piece("X.2", 1, 2);
+  drawn.station("three", {2});
+  const Tracks tracks = drawn.made();
+  EXPECT_THAT(names_of(tracks), ElementsAre("first", "X"));
+  ASSERT_THAT(tracks.stations, SizeIs(1));
+  EXPECT_EQ(tracks.stations[0].position, (TrackPosition{0, 2.0}));
+}
+
 TEST(LifPieces, stay_apart_where_another_edge_meets_them) {
   Drawn leaves = cut_line();
   leaves.edge("side", 1, leaves.node({1.0, 5.0}));
@@ -297,6 +310,20 @@ TEST(LifTurns, back_to_the_node_before_are_last_from_135_degrees_on) {
   // The chord back leaves at 180° less half the arc's turn.
   EXPECT_THAT(after_arc(60.0 * degree, 170.0 * degree), ElementsAre(2, 1)) << "150° back";
   EXPECT_THAT(after_arc(120.0 * degree, 130.0 * degree), ElementsAre(1, 2)) << "120° is no turning back";
+}
+
+TEST(LifTurns, of_exactly_135_degrees_are_no_turning_back) {
+  Drawn drawn;
+  const auto a = drawn.node({0.0, 0.0});
+  const auto b = drawn.node({1.0, 0.0});
+  drawn.edge("in", a, b);
+  drawn.edge("back", b, a).trajectory =
+      Nurbs{1, {0, 0, 0.5, 1, 1}, {{1.0, 0.0}, {0.0, 1.0}, {0.0, 0.0}}, {1.0, 1.0, 1.0}};
+  drawn.edge("other", b, drawn.node(metre_on({1.0, 0.0}, 150.0 / 180.0 * pi)));
+  const Tracks tracks = drawn.made();
+  EXPECT_THAT(names_of(tracks), ElementsAre("in", "back", "back.2", "other"));
+  EXPECT_EQ(tracks.parts[1].section.start().heading_rad, 0.75 * pi);
+  EXPECT_THAT(tracks.parts[0].next, ElementsAre(1, 3));
 }
 
 TEST(LifTurns, are_needless_at_a_dead_end) {

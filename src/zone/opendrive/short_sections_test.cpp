@@ -45,6 +45,15 @@ TEST(ShortSections, of_six_centimetres_stay) {
   EXPECT_THAT(report.diagnostics(), IsEmpty());
 }
 
+TEST(ShortSections, are_shorter_than_five_centimetres) {
+  for (const double length_m : {0.05, 0.0499}) {
+    Report report;
+    Network network = network_of({{0.0, {}, {lane_with(-1, {}, {-1})}}, {length_m, {}, {lane_with(-1, {-1}, {})}}});
+    drop_short_sections(network, report);
+    EXPECT_THAT(network.roads[0].sections, SizeIs(length_m < 0.05 ? 1 : 2)) << length_m;
+  }
+}
+
 TEST(ShortSections, between_others_are_left_out_and_links_lead_through_them) {
   Report report;
   // −1 leads over −2 and 1 over itself, without a link of its own.

@@ -167,5 +167,16 @@ TEST(XmlParse, limits_bytes_elements_and_attributes) {
   EXPECT_EQ(code_of(std::string(2'000'001, '<')), "zone.size");
 }
 
+TEST(XmlParse, takes_64_MiB_and_no_more) {
+  std::string text = "<a/>";
+  text.resize(std::size_t{64} << 20U, ' ');
+  EXPECT_TRUE(XmlFile::parse("a.xodr", text));
+  text += ' ';
+  const auto more = XmlFile::parse("a.xodr", text);
+  ASSERT_FALSE(more);
+  EXPECT_EQ(more.error().code, "zone.size");
+  EXPECT_EQ(more.error().message, "expected at most 64 MiB, found 67108865 bytes");
+}
+
 }  // namespace
 }  // namespace cosiva::zone::opendrive

@@ -37,7 +37,6 @@ class Reading {
     return line <= line_begins_.size() ? line_begins_[line - 1] : text_.size();
   }
   [[nodiscard]] bool blank(std::size_t line) const {
-    if (line < 1 || line > line_begins_.size()) return false;
     const std::string_view all = text_.substr(line_begin(line), line_begin(line + 1) - line_begin(line));
     return !all.empty() && all.find_first_not_of(" \t\r\n") == std::string_view::npos;
   }

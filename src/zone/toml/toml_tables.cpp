@@ -167,7 +167,7 @@ void TomlTables::read_tags() {
     fields.expect_only({"number", "section", "s_m"});
     const auto number = static_cast<TagNumber>(fields.whole("number", 1, tag_number_max));
     const auto position = read_position(fields);
-    if (faults_.any() || !position) return;
+    if (!position) return;
     if (!numbers.insert(number).second)
       return fields.fault("number", "zone.duplicate", "tag " + std::to_string(number) + " is already laid");
     if (zone_.beacons && zone_.beacons->find(number))
@@ -188,7 +188,7 @@ void TomlTables::read_stations() {
     if (fields.has("kind") && fields.one_of("kind", {"stop", "charger"}) == "charger")
       station.kind = StationKind::charger;
     const auto position = read_position(fields);
-    if (faults_.any() || !position) return;
+    if (!position) return;
     station.position = *position;
     if (!names.insert(station.name).second)
       return fields.fault("name", "zone.duplicate", "two stations have the name '" + station.name + "'");
@@ -280,7 +280,7 @@ void TomlTables::read_starts() {
   for (const TomlFields& fields : entries) {
     fields.expect_only({"section", "s_m"});
     const auto position = read_position(fields);
-    if (faults_.any() || !position) return;
+    if (!position) return;
     const Crossing* crossing = zone_.crossing_at(*position);
     if (on_waypoint(zone_, *position)) crossing = nullptr;  // a vehicle may stop where the file has a node or a station
     if (crossing != nullptr) {

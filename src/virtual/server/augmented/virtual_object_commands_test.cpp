@@ -602,6 +602,7 @@ TEST_F(ObjectCommands, accept_vehicles_within_thirty_centimetres_of_a_section) {
       (Error{"virtual_object.off",
              "(1.00 m, -0.35 m) is 0.35 m from the circuit; a virtual AIV must be added within 0.30 m of a section",
              ""}));
+  EXPECT_TRUE(add(at_point("aiv", 1.0, -0.3)).has_value()) << "exactly";
   EXPECT_EQ(refusal(at_point("aiv", 1.0, -0.301)).code, "virtual_object.off");
   VirtualObjectFields only_y = fields_of("aiv");
   only_y.y_m = 0.0;

@@ -167,6 +167,18 @@ TEST_F(V2xFixture, of_a_false_name_or_unreadable_is_counted_as_refused) {
   for (const JsonValue& aiv : *summary.find("aivs")->array()) EXPECT_EQ(aiv.number("refused"), 1.0) << *aiv.text("id");
 }
 
+TEST_F(V2xFixture, that_is_unreadable_is_logged_at_once_by_each_virtual_AIV_that_receives_it) {
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V1","section":"north","s":0.5}})");
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv","id":"V2","section":"north","s":1.5}})");
+  fixture.run_for(3s);
+  fixture.logs.clear();
+  fixture.feed(wire::InputKind::message, "cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1", "{");
+  for (const std::string vehicle : {"V1", "V2"})
+    EXPECT_TRUE(
+        fixture.logged("CoSiVA.virtual/" + vehicle + ": intent on 'cosiva/v1/v2x/oval/0_0/CoSiVA/AIV1' not used: "))
+        << vehicle;
+}
+
 TEST_F(V2xFixture, summary_states_that_a_crossing_less_than_a_metre_in_front_is_not_entered_yet) {
   wire::Intent intent = intent_of(first);
   intent.crossings = {{"X1", 0.001, 0.4, 0.0, 1.0, true}};

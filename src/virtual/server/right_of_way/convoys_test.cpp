@@ -448,6 +448,15 @@ TEST_F(RoadConvoy, needs_room_for_all_members_between_the_exit_and_the_ends_of_t
   }
 }
 
+TEST_F(RoadConvoy, is_not_formed_while_a_vehicle_is_in_the_crossing_without_holding_it) {
+  begin(1.0);
+  roads.put(2, second, 1.0);
+  EXPECT_EQ(roads.traffic.holder(Roads::x), 0U);
+  EXPECT_FALSE(may_join(1));
+  roads.put(2, second, 1.3);
+  EXPECT_TRUE(may_join(1));
+}
+
 TEST_F(RoadConvoy, folds_its_last_member_and_its_length_into_the_digest) {
   begin(1.0);
   ASSERT_TRUE(may_join(1));

@@ -563,6 +563,12 @@ TEST_F(CrossedLoop, has_crossings_in_driving_order_as_far_as_the_distance_reache
   EXPECT_THAT(met({0, 0.5}, 3.0), ElementsAre(1, 2, 0)) << "a whole lap";
 }
 
+TEST_F(CrossedLoop, has_a_crossing_only_where_the_distance_reaches_a_micrometre_into_it) {
+  // Crossing 1 begins 0.6 m ahead.
+  EXPECT_THAT(met({0, 0.5}, 0.6 + 5e-7), IsEmpty());
+  EXPECT_THAT(met({0, 0.5}, 0.6 + 2e-6), ElementsAre(1));
+}
+
 TEST_F(CrossedLoop, has_exits_as_far_as_the_crossings_begin_within_the_distance) {
   const zone::TrackPosition from{0, 0.5};
   EXPECT_NEAR(graph.distance_to_exit_m(from, 1, 1.0), 0.71, 1e-12);
