@@ -146,7 +146,7 @@ TEST(Calibrating, smoother_with_an_unknown_heading_adds_nothing_to_the_filter) {
   EXPECT_GT(smoother.estimate().covariance(1, 1), 10.0);
 }
 
-TEST(Calibrating, smoother_is_better_than_the_filter_and_consistent) {
+TEST(CalibratingStatistics, smoother_is_better_than_the_filter_and_consistent) {
   double filter = 0.0;
   double smoothed = 0.0;
   std::vector<double> nees;

@@ -312,7 +312,7 @@ TEST(PlanarLimit, of_undescribed_sensors_calls_no_algorithm_a_leak) {
   EXPECT_FALSE(q->algorithms[0].leak);
 }
 
-TEST(PlanarLimit, flags_an_algorithm_that_knows_the_ground_truth_in_many_runs_and_in_one) {
+TEST(PlanarLimitStatistics, flags_an_algorithm_that_knows_the_ground_truth_in_many_runs_and_in_one) {
   for (const std::size_t runs : {1U, 8U}) {
     const Qualification q = laps(runs);
     EXPECT_TRUE(q.algorithms[3].leak) << runs;
