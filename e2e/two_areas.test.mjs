@@ -134,7 +134,8 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     const answer = await from.go(traveller, `${into.name}/${rack}`);
     assert.equal(answer.status, 202, JSON.stringify(answer.body));
     await in_time(`area ${into.name} has it`, () => into.has(traveller), { within_ms: 30_000 });
-    const handed = owners.slice(said).find(({ id }) => id === traveller);
+    // The message comes over another connection than the snapshot.
+    const handed = await in_time('its new owner is published', () => owners.slice(said).find(({ id }) => id === traveller));
     assert.equal(handed.area, into.name);
     assert.deepEqual(handed.mission, { kind: 'go', name: rack });
     await in_time(`it is stopped at ${rack}`, async () => {
