@@ -395,8 +395,7 @@ TEST(Circuit, measures_along_a_route_of_as_many_sections_as_it_has) {
     return circuit.distance_ahead({0, 0.5}, to, 100.0, round).value();
   };
   EXPECT_DOUBLE_EQ(distance_m({1, 0.25}), 1.75);
-  EXPECT_NEAR(distance_m({0, 0.25}), circuit.total_length_m() - 0.25,
-              1e-12);
+  EXPECT_NEAR(distance_m({0, 0.25}), circuit.total_length_m() - 0.25, 1e-12);
 }
 
 TEST(Circuit, measures_without_a_limit_once_round_and_no_further) {
