@@ -1,0 +1,152 @@
+#include "cosiva/adapters/store/group_commit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+
+#include "cosiva/journal/store/simulated_disk.h"
+#include "cosiva/journal/store/store_reading.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using journal::RecordNumber;
+using journal::SimulatedDisk;
+using Call = SimulatedDisk::Call;
+
+constexpr journal::SegmentStart first_start{0x5EED, 1, {}};
+
+const wire::Input command{SimTime{}, wire::InputKind::command, "page", R"({"command":"stop"})", false};
+
+/// A disk that the test keeps while a GroupCommit owns this one.
+class SharedDisk final : public journal::Disk {
+ public:
+  explicit SharedDisk(std::shared_ptr<SimulatedDisk> disk) : disk_{std::move(disk)} {}
+  Result<std::vector<std::string>> names() const override { return disk_->names(); }
+  Result<std::string> read(const std::string& name) const override { return disk_->read(name); }
+  Result<std::unique_ptr<journal::DiskFile>> create(const std::string& name) override { return disk_->create(name); }
+  Result<void> replace(const std::string& name, std::string_view bytes) override { return disk_->replace(name, bytes); }
+  Result<void> cut(const std::string& name, std::size_t bytes) override { return disk_->cut(name, bytes); }
+  Result<void> remove(const std::string& name) override { return disk_->remove(name); }
+
+ private:
+  std::shared_ptr<SimulatedDisk> disk_;
+};
+
+std::size_t records_on(const SimulatedDisk& disk) {
+  std::size_t count = 0;
+  const auto content = journal::read_store(disk, [&](RecordNumber, const journal::RecordView&) { ++count; });
+  EXPECT_TRUE(content);
+  return count;
+}
+
+TEST(GroupCommit, makes_records_durable_within_its_period) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
+  commit.append(command);
+  commit.append(command);
+  EXPECT_TRUE(loop.run_until([&] { return commit.durable() == 3; }, 5s));
+  EXPECT_EQ(records_on(*disk), 2U);
+}
+
+TEST(GroupCommit, lets_records_gather_until_a_proposal_arrives) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  GroupCommitOptions options;
+  options.period = 10min;
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
+  commit.append(command);
+  loop.run_for(50ms);
+  EXPECT_EQ(commit.durable(), 1U);
+  bool accepted = false;
+  commit.propose(command, [&](const Result<void>& result) { accepted = result.has_value(); });
+  EXPECT_TRUE(loop.run_until([&] { return accepted; }, 5s));
+  EXPECT_EQ(records_on(*disk), 2U);
+}
+
+TEST(GroupCommit, decides_a_proposal_only_when_its_record_is_durable) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<int> syncs{0};
+  disk->set_faults([&](Call call, const std::string&) {
+    if (call == Call::sync) ++syncs;
+    return std::string{};
+  });
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
+  int syncs_before_decision = 0;
+  commit.propose(command, [&](const Result<void>&) { syncs_before_decision = syncs; });
+  EXPECT_TRUE(loop.run_until([&] { return syncs_before_decision > 0; }, 5s));
+}
+
+TEST(GroupCommit, refuses_a_proposal_with_the_reason_of_the_disk_and_forgets_it) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<bool> full{true};
+  disk->set_faults(
+      [&](Call call, const std::string&) { return std::string{full && call == Call::sync ? "disk.full" : ""}; });
+  GroupCommitOptions options;
+  options.retry = 1ms;
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
+  commit.append(command);
+  std::string code;
+  commit.propose(command, [&](const Result<void>& result) { code = result ? "accepted" : result.error().code; });
+  EXPECT_TRUE(loop.run_until([&] { return !code.empty(); }, 5s));
+  EXPECT_EQ(code, "disk.full");
+  full = false;
+  EXPECT_TRUE(loop.run_until([&] { return commit.durable() == 2; }, 5s));
+  EXPECT_EQ(records_on(*disk), 1U);
+}
+
+TEST(GroupCommit, reports_a_refusing_disk_once_and_loses_nothing_when_it_works_again) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<bool> full{true};
+  disk->set_faults(
+      [&](Call call, const std::string&) { return std::string{full && call == Call::append ? "disk.full" : ""}; });
+  std::vector<std::string> refusals;
+  int recoveries = 0;
+  GroupCommitOptions options;
+  options.retry = 1ms;
+  GroupCommit commit{loop,
+                     std::make_unique<SharedDisk>(disk),
+                     first_start,
+                     {[&](const Error& error) { refusals.push_back(error.code); }, [&] { ++recoveries; }},
+                     options};
+  commit.append(command);
+  commit.drain();
+  EXPECT_EQ(commit.durable(), 1U);
+  commit.append(command);
+  loop.run_for(50ms);
+  EXPECT_THAT(refusals, ::testing::ElementsAre("disk.full"));
+  full = false;
+  EXPECT_TRUE(loop.run_until([&] { return recoveries == 1 && commit.durable() == 3; }, 5s));
+  EXPECT_EQ(records_on(*disk), 2U);
+}
+
+TEST(GroupCommit, makes_everything_durable_before_it_ends) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  {
+    GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
+    for (int i = 0; i < 100; ++i) commit.append(command);
+  }
+  EXPECT_EQ(records_on(*disk), 100U);
+}
+
+TEST(GroupCommit, ends_while_the_disk_refuses) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  disk->set_faults([](Call call, const std::string&) { return std::string{call == Call::create ? "disk.io" : ""}; });
+  {
+    GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
+    commit.append(command);
+  }
+  EXPECT_EQ(records_on(*disk), 0U);
+}
+
+}  // namespace
+}  // namespace cosiva::adapters

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace cosiva::journal {
+
+/// The hash over everything that a store has held up to some record: BLAKE2b-256 of the hash before and of the batch
+/// that follows. A record that is changed, removed or inserted changes every later hash.
+class Chain {
+ public:
+  static constexpr std::size_t bytes_count = 32;
+
+  /// Before the first record: zeros.
+  Chain() = default;
+  /// From its bytes, of which there are bytes_count.
+  [[nodiscard]] static Chain from(std::string_view bytes);
+  /// The hash after a batch that consists of these parts, one after the other.
+  [[nodiscard]] Chain after(std::initializer_list<std::string_view> parts) const;
+
+  [[nodiscard]] std::string_view bytes() const;
+  /// 64 hexadecimal digits.
+  [[nodiscard]] std::string hex() const;
+  friend bool operator==(const Chain&, const Chain&) = default;
+
+ private:
+  std::array<char, bytes_count> hash_{};
+};
+
+}  // namespace cosiva::journal

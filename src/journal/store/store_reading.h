@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/result.h"
+#include "cosiva/journal/store/disk.h"
+#include "cosiva/journal/store/segment.h"
+
+namespace cosiva::journal {
+
+/// One segment of a store, as far as it counts.
+struct SegmentSummary {
+  std::string name;
+  RecordNumber first;
+  RecordNumber next;         ///< the first record of the following segment, or of the next one to be written
+  std::size_t bytes;         ///< of the file
+  std::size_t intact_bytes;  ///< those that count; the others were written again in the next segment, or are torn
+};
+
+/// What a store holds, up to the first damage.
+struct StoreContent {
+  std::vector<SegmentSummary> segments;
+  /// Where the store continues; nothing for a folder without segments, and where the only one is torn at once.
+  std::optional<SegmentStart> next;
+  /// The last segment ends with bytes that a power failure left of a write.
+  bool torn{false};
+  /// Of a segment (SegmentContent::damage), or between segments ("store.gap", "store.chain", "store.mixed"); names the
+  /// file. The last summary is that of the damaged segment.
+  std::optional<Error> damage;
+};
+
+/// Reads all segments and checks that each continues the one before. Fails as the disk does. `on_record` may be empty.
+[[nodiscard]] Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record = {});
+/// Reads a store and makes all that was read durable; a torn tail is cut off, because nothing of it was confirmed.
+/// Fails also with the damage.
+[[nodiscard]] Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record = {});
+/// Makes a damaged store usable: keeps all records before the damage, and renames what follows to "….damaged". Returns
+/// what was read, with the damage.
+[[nodiscard]] Result<StoreContent> repair_store(Disk& disk);
+/// Removes the segments whose records are all before `from`; returns how many.
+[[nodiscard]] Result<std::size_t> compact_store(Disk& disk, RecordNumber from);
+
+}  // namespace cosiva::journal
