@@ -23,7 +23,8 @@ Part::Part(adapters::EventLoop& loop, adapters::LiveShell& shell, std::string ki
       arguments_{arguments},
       summary_{std::move(summary)},
       started_{clock_.now()},
-      duration_{loop} {}
+      duration_{loop},
+      alive_{loop} {}
 
 int Part::run() {
   if (auto started = shell_.start(); !started) return report_error(started.error());
@@ -35,6 +36,7 @@ int Part::run() {
       end();
     }
   });
+  if (arguments_.announce) alive_.every(alive_period, [this] { announce(arguments_, R"({"event":"alive"})"); });
   if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
   loop_.run();
   return status_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -36,9 +37,14 @@ class Part {
   adapters::WallClock clock_;
   SimTime started_;
   adapters::Timer duration_;
+  adapters::Timer alive_;  ///< for `up`: a sign of life twice a second
   bool ending_{false};
   int status_{0};
 };
+
+/// Between the signs of life of a part that announces, {"event":"alive"}: each is sent from the part's loop, so that a
+/// loop that hangs sends none.
+inline constexpr std::chrono::milliseconds alive_period{500};
 
 /// Prints one event for `up`, as a JSON line on standard output.
 void announce(const PartArguments& arguments, const std::string& json);

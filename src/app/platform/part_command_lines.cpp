@@ -40,7 +40,7 @@ Argv PartCommandLines::plant() const {
   Argv line = part("plant");
   append(line, {"--zone", plan_.rtm.configuration().origin, "--vehicles", std::to_string(arguments.aivs)});
   append(line, {"--seed", std::to_string(arguments.seed), "--sockets", run_ / "boards"});
-  append(line, {"--summary", run_ / "plant.json"});
+  append(line, {"--summary", run_ / "plant.json", "--announce"});
   return line;
 }
 
@@ -49,7 +49,7 @@ Argv PartCommandLines::aiv(std::uint32_t number, const zone::TrackPosition& star
   const std::string section = plan_.rtm.zone().circuit.part(start.section).name;
   Argv line = part("aiv");
   append(line, {"--number", name, "--sockets", run_ / "boards", "--start", section + ":" + number_text(start.s_m)});
-  append(line, {"--state-file", run_ / ("aiv" + name + ".state_file"), "--emulated"});
+  append(line, {"--state-file", run_ / ("aiv" + name + ".state_file"), "--emulated", "--announce"});
   option(line, "--rules", plan_.arguments.rules);
   if (!plan_.arguments.v2x) append(line, {"--v2x", "off"});
   return line;

@@ -55,13 +55,13 @@ class PartCommands : public ::testing::Test {
 TEST_F(PartCommands, start_the_emulated_world_with_zone_vehicles_and_seed) {
   EXPECT_THAT(line(Part::plant),
               ElementsAre("plant", "--broker", "127.0.0.1:1883", "--zone", arguments.zone, "--vehicles", "3", "--seed",
-                          "7", "--sockets", folder + "/boards", "--summary", folder + "/plant.json"));
+                          "7", "--sockets", folder + "/boards", "--summary", folder + "/plant.json", "--announce"));
 }
 
 TEST_F(PartCommands, start_a_vehicle_at_its_position) {
-  EXPECT_THAT(line(Part::aiv),
-              ElementsAre("aiv", "--broker", "127.0.0.1:1883", "--number", "2", "--sockets", folder + "/boards",
-                          "--start", "north:0.25", "--state-file", folder + "/aiv2.state_file", "--emulated"));
+  EXPECT_THAT(line(Part::aiv), ElementsAre("aiv", "--broker", "127.0.0.1:1883", "--number", "2", "--sockets",
+                                           folder + "/boards", "--start", "north:0.25", "--state-file",
+                                           folder + "/aiv2.state_file", "--emulated", "--announce"));
   arguments.rules = "fuzzy";
   arguments.v2x = false;
   EXPECT_EQ(value(line(Part::aiv), "--rules"), "fuzzy");

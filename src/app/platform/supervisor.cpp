@@ -1,6 +1,7 @@
 #include "cosiva/app/platform/supervisor.h"
 
 #include <algorithm>
+#include <csignal>
 #include <limits>
 #include <numeric>
 
@@ -17,19 +18,25 @@ using adapters::ChildExit;
 using std::chrono::milliseconds;
 using Steady = std::chrono::steady_clock;
 
-/// A member whose last runs were together no longer than this is given up. Runs are not evaluated one by one: on a
+/// A member whose last runs were together no longer than this keeps failing. Runs are not evaluated one by one: on a
 /// machine that stalls for a second, each death is detected that much later.
 constexpr std::size_t runs_evaluated = 5;
 constexpr std::chrono::seconds starts_min{10};
 /// A member that dies this soon did not start up at all, and its restart is delayed longer each time.
 constexpr std::chrono::seconds early{1};
 constexpr milliseconds backoff_first{50};
+constexpr milliseconds watch_period{500};
+/// Between the starts of a member that keeps failing: 1 s, doubled each time up to a minute.
+constexpr milliseconds failing_first{1'000};
+constexpr milliseconds failing_max{60'000};
 
 }  // namespace
 
 Supervisor::Supervisor(adapters::EventLoop& loop, std::string children_file,
-                       std::function<void(const std::string&)> on_hopeless)
-    : loop_{loop}, children_file_{std::move(children_file)}, on_hopeless_{std::move(on_hopeless)} {}
+                       std::function<void(const std::string&)> on_failing)
+    : loop_{loop}, children_file_{std::move(children_file)}, on_failing_{std::move(on_failing)}, watch_{loop} {
+  watch_.every(watch_period, [this] { kill_hanging(); });
+}
 
 Supervisor::~Supervisor() { ending_ = true; }
 
@@ -56,6 +63,7 @@ Result<void> Supervisor::add(Member member) {
 Result<void> Supervisor::launch(Running& running) {
   COSIVA_EXPECT(!running.alive());
   running.born = Steady::now();
+  running.missed_periods.reset();
   auto child = running.member.launch([this, &running](const ChildExit& exit) { died(running, exit); });
   if (!child) return tl::unexpected(child.error());
   running.child = *child;
@@ -74,29 +82,54 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
   }
   running.runs.push_back(life);
   if (running.runs.size() > runs_evaluated) running.runs.pop_front();
-  if (running.runs.size() == runs_evaluated &&
-      std::accumulate(running.runs.begin(), running.runs.end(), Steady::duration{}) < starts_min) {
-    print_info(name + " has ended: " + to_string(exit) + ", for the " + std::to_string(runs_evaluated) +
-               "th time within " + std::to_string(starts_min.count()) + " s of running");
-    if (on_hopeless_) on_hopeless_(name);
-    return;
-  }
-  const auto& runs = running.runs;
-  const auto early_deaths =
-      std::find_if(runs.rbegin(), runs.rend(), [](Steady::duration one) { return one >= early; }) - runs.rbegin();
-  milliseconds delay = running.member.respawn_delay;
-  if (early_deaths > 0) delay = std::max(delay, backoff_first * (1 << early_deaths));
+  const milliseconds delay = delay_after(running);
   print_info(
       name + " has ended: " + to_string(exit) + "; starting it again" +
       (delay >= std::chrono::seconds{1} ? " in " + decimals(static_cast<double>(delay.count()) / 1e3, 0) + " s" : ""));
   running.respawn.after(delay, [this, &running] { start_again(running); });
+  if (running.failures == 1 && on_failing_) on_failing_(name);
+}
+
+milliseconds Supervisor::delay_after(Running& running) const {
+  const auto& runs = running.runs;
+  const bool keeps_failing =
+      runs.size() == runs_evaluated && std::accumulate(runs.begin(), runs.end(), Steady::duration{}) < starts_min;
+  if (keeps_failing) {
+    constexpr int doublings_max = 6;
+    const int doublings = std::min(running.failures++, doublings_max);
+    return std::max(running.member.respawn_delay, std::min(failing_max, failing_first * (1 << doublings)));
+  }
+  running.failures = 0;
+  const auto early_deaths =
+      std::find_if(runs.rbegin(), runs.rend(), [](Steady::duration one) { return one >= early; }) - runs.rbegin();
+  if (early_deaths == 0) return running.member.respawn_delay;
+  return std::max(running.member.respawn_delay, backoff_first * (1 << early_deaths));
+}
+
+void Supervisor::on_alive(const std::string& name) {
+  for (auto& running : members_)
+    if (running->member.name == name) running->missed_periods = 0;
+}
+
+void Supervisor::kill_hanging() {
+  if (ending_) return;
+  for (auto& running : members_) {
+    if (!running->member.sends_alive || !running->alive() || !running->missed_periods) continue;
+    if (++*running->missed_periods * watch_period < hangs_after) continue;
+    print_info(running->member.name + " has not responded for " +
+               std::to_string(std::chrono::duration_cast<std::chrono::seconds>(hangs_after).count()) +
+               " s; it is killed");
+    running->missed_periods.reset();
+    running->child->signal(SIGKILL);
+  }
 }
 
 void Supervisor::start_again(Running& running) {
   if (ending_) return;
   if (auto launched = launch(running); !launched) {
     print_info("cosiva: " + to_string(launched.error()));
-    if (on_hopeless_) on_hopeless_(running.member.name);
+    running.respawn.after(failing_max, [this, &running] { start_again(running); });
+    if (on_failing_) on_failing_(running.member.name);
   }
 }
 

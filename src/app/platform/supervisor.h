@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,29 +14,38 @@
 
 namespace cosiva::app {
 
-/// Keeps a set of processes running: restarts members that die, gives up members that die repeatedly, and ends all in
-/// order.
+/// Keeps a set of processes running: restarts members that die, those that die repeatedly after longer and longer
+/// pauses, and ends all in order.
 ///
 /// Invariant: at most one process of a member runs.
 class Supervisor {
  public:
   using OnExit = std::function<void(const adapters::ChildExit&)>;
+  /// Counted in periods of the supervisor itself, so that a machine that was suspended kills nothing.
+  static constexpr std::chrono::milliseconds hangs_after{5'000};
   struct Member {
     std::string name;
     int stage{0};  ///< ended in ascending order; the next stage is ended when this stage has ended
     /// Starts the process (again) and returns it; the child's owner is stored in the function.
     std::function<Result<adapters::Child*>(OnExit)> launch;
+    /// Whether its program sends signs of life (part.h): where they stop for hangs_after, the process is killed, and
+    /// started again as after any death.
+    bool sends_alive{false};
     bool respawns{true};
     std::chrono::milliseconds respawn_delay{0};
   };
 
   /// @param children_file  always up to date: {"children":[{"name","pid"}…]}
-  /// @param on_hopeless    called with a member whose last five runs were together shorter than ten seconds
-  Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_hopeless);
+  /// @param on_failing     called with a member whose last five runs were together shorter than ten seconds, once until
+  /// a
+  ///                       longer run
+  Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_failing);
   ~Supervisor();
 
   /// Starts a member at once. Fails when its program cannot be run.
   [[nodiscard]] Result<void> add(Member member);
+  /// A sign of life of the member of this name.
+  void on_alive(const std::string& name);
   void end(std::function<void()> done);
 
   /// A launcher of a CoSiVA process whose command line is `argv()` at each start.
@@ -53,20 +63,25 @@ class Supervisor {
     adapters::Timer respawn;
     std::chrono::steady_clock::time_point born;
     std::deque<std::chrono::steady_clock::duration> runs;  ///< durations of the last runs
+    std::optional<int> missed_periods;                     ///< since the last sign of life; nothing before the first
+    int failures{0};                                       ///< since on_failing was called; 0: it does not keep failing
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
   };
   [[nodiscard]] Result<void> launch(Running& running);
   void died(Running& running, const adapters::ChildExit& exit);
+  [[nodiscard]] std::chrono::milliseconds delay_after(Running& running) const;
   void start_again(Running& running);
+  void kill_hanging();
   void end_next_stage();
   void record_children() const;
 
   adapters::EventLoop& loop_;
   std::string children_file_;
-  std::function<void(const std::string&)> on_hopeless_;
+  std::function<void(const std::string&)> on_failing_;
   std::function<void()> on_ended_;
   std::vector<std::unique_ptr<Running>> members_;
+  adapters::Timer watch_;
   bool ending_{false};
 };
 

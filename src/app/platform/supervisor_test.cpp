@@ -20,7 +20,7 @@ using ::testing::ElementsAre;
 class Supervised : public ::testing::Test {
  protected:
   void add(const std::string& name, const std::string& script, int stage = 0, bool respawns = true,
-           std::chrono::milliseconds delay = 0ms) {
+           std::chrono::milliseconds delay = 0ms, bool sends_alive = false) {
     Supervisor::Program program;
     program.log_file = scratch / (name + ".log");
     program.argv = [this, name, script] {
@@ -31,7 +31,7 @@ class Supervised : public ::testing::Test {
       lines.push_back(line);
       if (on_line) on_line();
     };
-    Supervisor::Member member{name, stage, supervisor.launcher(std::move(program)), respawns, delay};
+    Supervisor::Member member{name, stage, supervisor.launcher(std::move(program)), sends_alive, respawns, delay};
     ASSERT_TRUE(supervisor.add(std::move(member)));
   }
   [[nodiscard]] std::vector<pid_t> logged() const {
@@ -53,8 +53,8 @@ class Supervised : public ::testing::Test {
   std::map<std::string, int> starts;
   std::vector<std::string> lines;
   std::function<void()> on_line;
-  std::vector<std::string> hopeless;
-  Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { hopeless.push_back(name); }};
+  std::vector<std::string> failing;
+  Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { failing.push_back(name); }};
 };
 
 TEST_F(Supervised, restarts_and_records_a_killed_member) {
@@ -89,21 +89,50 @@ TEST_F(Supervised, does_not_restart_a_member_without_respawn) {
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, gives_up_a_member_that_dies_repeatedly) {
+TEST_F(Supervised, reports_a_member_that_dies_repeatedly_once_and_tries_it_again_after_a_second) {
   add("plant", "exit 2");
-  ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
-  EXPECT_THAT(hopeless, ElementsAre("plant"));
+  ASSERT_TRUE(until([&] { return !failing.empty(); }));
   EXPECT_EQ(starts["plant"], 5);
+  const auto reported = std::chrono::steady_clock::now();
+  ASSERT_TRUE(until([&] { return starts["plant"] == 6; }));
+  EXPECT_GE(std::chrono::steady_clock::now() - reported, 900ms);
+  loop.run_for(200ms);
+  EXPECT_THAT(failing, ElementsAre("plant"));
   EXPECT_TRUE(end());
 }
 
-TEST_F(Supervised, gives_up_a_member_however_late_its_deaths_are_detected) {
+TEST_F(Supervised, goes_on_with_the_others_while_one_dies_repeatedly) {
+  add("server", "echo up; exec sleep 600");
+  add("aiv1", "exit 2");
+  ASSERT_TRUE(until([&] { return !failing.empty() && lines.size() == 1; }));
+  EXPECT_EQ(logged().size(), 1U);
+  EXPECT_EQ(starts["server"], 1);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, reports_a_member_however_late_its_deaths_are_detected) {
   on_line = [this] {
     if (lines.size() == 2) std::this_thread::sleep_for(1200ms);
   };
   add("plant", "echo up; exit 2");
-  ASSERT_TRUE(until([&] { return !hopeless.empty(); }));
+  ASSERT_TRUE(until([&] { return !failing.empty(); }));
   EXPECT_EQ(starts["plant"], 5);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, kills_a_member_that_sends_no_more_signs_of_life_and_starts_it_again) {
+  add("aiv1", "echo alive; exec sleep 600", 0, true, 0ms, true);
+  on_line = [this] { supervisor.on_alive("aiv1"); };
+  ASSERT_TRUE(until([&] { return lines.size() == 2; })) << "its second life";
+  EXPECT_EQ(starts["aiv1"], 2);
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, leaves_a_member_alone_that_has_not_sent_any_sign_of_life) {
+  add("aiv1", "echo up; exec sleep 600", 0, true, 0ms, true);
+  ASSERT_TRUE(until([&] { return lines.size() == 1; }));
+  loop.run_for(Supervisor::hangs_after + 1500ms);
+  EXPECT_EQ(starts["aiv1"], 1);
   EXPECT_TRUE(end());
 }
 

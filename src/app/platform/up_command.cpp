@@ -35,6 +35,9 @@ using std::chrono::milliseconds;
 enum Stage : int { server_stage, aiv_stage, plant_stage, broker_stage };
 
 constexpr std::chrono::seconds arrival_max{60};
+constexpr const char* broker_name = "broker";
+constexpr const char* plant_name = "plant";
+constexpr const char* server_name = "server";
 constexpr const char* gvs_name = "gvs";
 
 /// The whole platform as children of this process.
@@ -46,7 +49,7 @@ class Up {
   Up(RunPlan plan, RunDirectory run)
       : plan_{std::move(plan)},
         run_{std::move(run)},
-        supervisor_{loop_, run_ / children_file_name, [this](const std::string& name) { on_hopeless(name); }},
+        supervisor_{loop_, run_ / children_file_name, [this](const std::string& name) { on_failing(name); }},
         duration_{loop_},
         arrival_{loop_} {}
 
@@ -79,8 +82,10 @@ class Up {
       if (!trace) return tl::unexpected(trace.error());
       trace_ = std::move(*trace);
     }
-    if (auto started = add("plant", plant_stage, [this] { return command_lines_->plant(); }); !started) return started;
-    if (auto started = add("server", server_stage, [this] { return server_command_line(); }); !started) return started;
+    if (auto started = add(plant_name, plant_stage, [this] { return command_lines_->plant(); }); !started)
+      return started;
+    if (auto started = add(server_name, server_stage, [this] { return server_command_line(); }); !started)
+      return started;
     if (auto started = add_aivs(); !started) return started;
     if (arguments().gvs) {
       if (auto started = add(gvs_name, plant_stage, [this] { return command_lines_->gvs(); }); !started) return started;
@@ -103,12 +108,12 @@ class Up {
   Result<BrokerArguments> start_broker() {
     BrokerArguments arguments_of_broker = arguments().broker;
     if (!arguments_of_broker.address.empty()) return arguments_of_broker;
-    auto started = adapters::PrivateBroker::start(loop_, {run_.path(), log("broker"), {}});
+    auto started = adapters::PrivateBroker::start(loop_, {run_.path(), log(broker_name), {}});
     if (!started) return tl::unexpected(started.error());
     broker_ = std::move(*started);
     arguments_of_broker.address = "127.0.0.1:" + std::to_string(broker_->port());
     Supervisor::Member member;
-    member.name = "broker";
+    member.name = broker_name;
     member.stage = broker_stage;
     member.launch = [this, first = true](Supervisor::OnExit on_exit) mutable -> Result<adapters::Child*> {
       broker_->on_exit(std::move(on_exit));
@@ -126,9 +131,13 @@ class Up {
     Supervisor::Program program;
     program.log_file = log(name);
     program.argv = std::move(argv);
-    if (stage == server_stage) program.on_line = [this](const std::string& line) { on_server_event(line); };
+    program.on_line = [this, name](const std::string& line) {
+      if (line == R"({"event":"alive"})") return supervisor_.on_alive(name);
+      if (name == server_name) on_server_event(line);
+    };
     Supervisor::Member member;
     member.name = name;
+    member.sends_alive = name != gvs_name;
     member.stage = stage;
     member.launch = supervisor_.launcher(std::move(program));
     if (stage == aiv_stage) {
@@ -194,12 +203,12 @@ class Up {
                    : std::string("  Ctrl-C ends everything"));
   }
 
-  void on_hopeless(const std::string& name) {
-    // A part that only observes may be missing.
-    if (name == gvs_name)
-      return print_info("cosiva: " + name + " does not stay up, and the platform continues without it; see its log (" +
-                        log(name) + ")");
-    give_up(name + " does not stay up; see its log");
+  /// A platform that runs goes on without a part, which is tried again. One that never came up ends with the reason.
+  void on_failing(const std::string& name) {
+    const bool needed = name == broker_name || name == plant_name || name == server_name;
+    if (needed && !progress_.fleet_up_at) return give_up(name + " does not stay up; see its log");
+    print_info("cosiva: " + name + " does not stay up, and the platform continues without it; it is tried again at " +
+               "intervals of up to a minute; see its log (" + log(name) + ")");
   }
 
   void give_up(const std::string& why) {
