@@ -283,21 +283,31 @@ TEST(Envelope, keeps_to_the_limits_of_all_edges_of_its_base) {
 
 // --- the branch that the board is to take -------------------------------------------------------------------------
 
+/// The branch that is chosen by a vehicle that has driven `driven_m` of an order from a position on.
+int chosen_branch(const zone::TrafficZone& zone, const zone::TrackPosition& from, const wire::Order& order,
+                  double driven_m) {
+  PositionEstimator position{zone};
+  position.position_at(from);
+  OrderBook book{zone};
+  EXPECT_TRUE(book.offer(order, {from, true}));
+  position.follow(book.course_from(position.track_position()));
+  wire::Odometry odometry;
+  for (int i = 0; i <= 100; ++i) {
+    odometry.distance_um = std::llround(1e4 * driven_m * i);
+    static_cast<void>(position.on_odometry(odometry));
+  }
+  book.travelled(driven_m);
+  return int{choose_branch(zone.circuit, position, book)};
+}
+/// Of an order from the start of section 0 to "end".
+int chosen_branch(const zone::TrafficZone& zone, double driven_m) {
+  return chosen_branch(zone, {0, 0.0}, order("O").through({"start", "end"}), driven_m);
+}
+
 TEST(BranchChoice, is_that_of_the_order_from_its_base_to_ten_centimetres_beyond_the_fork) {
   const zone::TrafficZone& zone = test::diamond();
   const auto branch = [&](const char* node, double driven_m, std::vector<std::string> horizon = {}) {
-    PositionEstimator position{zone};
-    position.position_at(at(zone, "trunk", 1.0));
-    OrderBook book{zone};
-    EXPECT_TRUE(book.offer(order("O").through({"T1", "F", node}).then(horizon), {at(zone, "trunk", 1.0), true}));
-    position.follow(book.course_from(position.track_position()));
-    wire::Odometry odometry;
-    for (int i = 0; i <= 100; ++i) {
-      odometry.distance_um = std::llround(1e4 * driven_m * i);
-      static_cast<void>(position.on_odometry(odometry));
-    }
-    book.travelled(driven_m);
-    return int{choose_branch(zone.circuit, position, book)};
+    return chosen_branch(zone, at(zone, "trunk", 1.0), order("O").through({"T1", "F", node}).then(horizon), driven_m);
   };
   EXPECT_EQ(branch("lo", 0.0), 0);
   EXPECT_EQ(branch("ro", 0.0), 1);
@@ -373,22 +383,6 @@ TEST(Envelope, stops_at_the_nearer_of_stop_line_and_end_of_base) {
 }
 
 // --- forks that are near or far --------------------------------------------------------------------------------------
-
-/// The branch that is chosen by a vehicle that has driven `driven_m` of an order from the start of section 0 to "end".
-int chosen_branch(const zone::TrafficZone& zone, double driven_m) {
-  PositionEstimator position{zone};
-  position.position_at({0, 0.0});
-  OrderBook book{zone};
-  EXPECT_TRUE(book.offer(order("O").through({"start", "end"}), {{0, 0.0}, true}));
-  position.follow(book.course_from(position.track_position()));
-  wire::Odometry odometry;
-  for (int i = 0; i <= 100; ++i) {
-    odometry.distance_um = std::llround(1e4 * driven_m * i);
-    static_cast<void>(position.on_odometry(odometry));
-  }
-  book.travelled(driven_m);
-  return int{choose_branch(zone.circuit, position, book)};
-}
 
 TEST(BranchChoice, needs_a_base_that_ends_over_five_millimetres_behind_the_fork) {
   for (const double beyond_m : {0.004, 0.006}) {
