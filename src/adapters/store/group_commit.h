@@ -18,8 +18,7 @@ namespace cosiva::adapters {
 struct GroupCommitOptions {
   std::chrono::milliseconds period{10};  ///< a record waits this long at most before it is written and synced
   std::size_t segment_bytes{std::size_t{64} << 20U};
-  std::size_t waiting_bytes_max{std::size_t{64} << 20U};  ///< records beyond this are lost while the disk refuses
-  std::chrono::milliseconds retry{200};                   ///< after a failure
+  std::chrono::milliseconds retry{200};  ///< after a failure
 };
 
 struct GroupCommitHandlers {

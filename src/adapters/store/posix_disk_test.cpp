@@ -21,10 +21,8 @@ class PosixDiskTest : public ::testing::Test {
     return disk ? std::move(*disk) : nullptr;
   }
 
-  std::string folder_ =
-      ::testing::TempDir() + "store_of_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  void SetUp() override { std::filesystem::remove_all(folder_); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  testing::Scratch scratch_;
+  std::string folder_ = scratch_ / "store";
 };
 
 TEST_F(PosixDiskTest, makes_its_folder_and_is_empty) { EXPECT_THAT(*open()->names(), ElementsAre()); }

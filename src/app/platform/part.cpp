@@ -36,7 +36,7 @@ int Part::run() {
       end();
     }
   });
-  if (arguments_.announce) alive_.every(alive_period, [this] { announce(arguments_, R"({"event":"alive"})"); });
+  if (arguments_.announce) alive_.every(alive_period, [this] { announce(arguments_, alive_event); });
   if (arguments_.duration_s) duration_.after(from_seconds(*arguments_.duration_s), [this] { end(); });
   loop_.run();
   return status_;

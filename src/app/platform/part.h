@@ -42,7 +42,9 @@ class Part {
   int status_{0};
 };
 
-/// Between the signs of life of a part that announces, {"event":"alive"}: each is sent from the part's loop, so that a
+/// The sign of life of a part that announces.
+inline constexpr const char* alive_event = R"({"event":"alive"})";
+/// Between two of them: each is sent from the part's loop, so that a
 /// loop that hangs sends none.
 inline constexpr std::chrono::milliseconds alive_period{500};
 

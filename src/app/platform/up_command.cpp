@@ -12,6 +12,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/gvs/gvs_source.h"
 #include "cosiva/app/platform/live_trace.h"
+#include "cosiva/app/platform/part.h"
 #include "cosiva/app/platform/part_command_lines.h"
 #include "cosiva/app/platform/run_plan.h"
 #include "cosiva/app/platform/run_summary.h"
@@ -132,7 +133,7 @@ class Up {
     program.log_file = log(name);
     program.argv = std::move(argv);
     program.on_line = [this, name](const std::string& line) {
-      if (line == R"({"event":"alive"})") return supervisor_.on_alive(name);
+      if (line == alive_event) return supervisor_.on_alive(name);
       if (name == server_name) on_server_event(line);
     };
     Supervisor::Member member;

@@ -10,6 +10,9 @@
 
 namespace cosiva::journal {
 
+/// The smallest unit that a disk writes whole or not at all.
+inline constexpr std::size_t sector_bytes = 512;
+
 /// A new file of a store, which only grows. Nothing is durable before sync() has succeeded; until then a power failure
 /// may lose any part of the bytes, not only the last ones.
 class DiskFile {

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
+#include <vector>
 
 #include "cosiva/base/expect.h"
 #include "cosiva/journal/crc32c.h"
 #include "cosiva/journal/format.h"
 #include "cosiva/journal/little_endian.h"
+#include "cosiva/journal/store/disk.h"
 
 namespace cosiva::journal {
 namespace {
@@ -17,8 +20,6 @@ constexpr std::string_view name_end = ".segment";
 constexpr std::size_t name_digits = 20;
 constexpr std::size_t header_bytes = 8 + 8 + 8 + Chain::bytes_count + format::crc_bytes;
 constexpr std::size_t batch_header_bytes = 4 + 4 + 8 + 8 + 4 + format::crc_bytes;
-/// The smallest unit that a disk writes whole or not at all.
-constexpr std::size_t sector_bytes = 512;
 
 bool checksum_fits(std::string_view bytes) {
   const std::size_t checked = bytes.size() - format::crc_bytes;
@@ -89,13 +90,15 @@ class SegmentScan {
     if (rest.size() < batch_header_bytes) return tear();
     const auto header = front_header(rest);
     if (!header) {
-      if (was_last_write(at, at + batch_header_bytes)) return tear();
-      return damaged(at, content_.next, "the header of the batch does not match its checksum");
+      return damaged_or_torn(at, at + batch_header_bytes, content_.next,
+                             {"store.damaged", "the header of the batch does not match its checksum", {}});
     }
     if (header->first != content_.next || header->store != content_.start.store)
       return damaged(at, content_.next,
-                     "the batch begins with record " + std::to_string(header->first) + " of store " +
-                         std::to_string(header->store));
+                     {"store.damaged",
+                      "the batch begins with record " + std::to_string(header->first) + " of store " +
+                          std::to_string(header->store),
+                      {}});
     const std::size_t whole = batch_header_bytes + header->records_bytes + Chain::bytes_count;
     if (rest.size() < whole) return tear();
     return take_records(*header, rest.substr(0, whole));
@@ -105,27 +108,28 @@ class SegmentScan {
     const std::size_t at = content_.intact_bytes;
     const std::string_view records = batch.substr(batch_header_bytes, header.records_bytes);
     std::size_t offset = 0;
+    views_.clear();
     for (std::uint32_t i = 0; i < header.count; ++i) {
       const auto record = front_record(records.substr(offset));
       if (!record || !*record) {
-        const std::size_t begin = at + batch_header_bytes + offset;
-        if (was_last_write(begin, at + batch.size())) return tear();
-        return damaged(begin, header.first + i,
-                       record ? "the record is longer than its batch" : record.error().message);
+        return damaged_or_torn(
+            at + batch_header_bytes + offset, at + batch.size(), header.first + i,
+            {"store.damaged", record ? "the record is longer than its batch" : record.error().message, {}});
       }
       offset += (*record)->bytes;
+      views_.push_back(**record);
     }
     const Chain next = content_.chain.after({batch.substr(0, batch.size() - Chain::bytes_count)});
     if (offset != records.size() || batch.substr(batch.size() - Chain::bytes_count) != next.bytes()) {
-      const std::size_t begin = at + batch.size() - Chain::bytes_count;
-      if (was_last_write(begin, at + batch.size())) return tear();
-      return fail("store.chain", "the hash that seals the batch does not follow from its records and those before",
-                  "offset " + std::to_string(begin) + ", record " + std::to_string(header.first));
+      return damaged_or_torn(
+          at + batch.size() - Chain::bytes_count, at + batch.size(), header.first,
+          {"store.chain", "the hash that seals the batch does not follow from its records and those before", {}});
     }
-    report(records, header);
+    for (std::size_t i = 0; on_record_ && i < views_.size(); ++i) on_record_(header.first + i, views_[i]);
     content_.next = header.first + header.count;
     content_.chain = next;
     content_.intact_bytes = at + batch.size();
+    COSIVA_EXPECT(content_.intact_bytes <= bytes_.size() && views_.size() == header.count);
     return {};
   }
 
@@ -138,28 +142,24 @@ class SegmentScan {
            }) == 0;
   }
 
-  void report(std::string_view records, const BatchHeader& header) const {
-    if (!on_record_) return;
-    for (std::uint32_t i = 0; i < header.count; ++i) {
-      const auto record = front_record(records);
-      COSIVA_EXPECT(record && *record);
-      on_record_(header.first + i, **record);
-      records.remove_prefix((*record)->bytes);
-    }
+  /// Bytes in [begin, end) are not those that were written.
+  Result<void> damaged_or_torn(std::size_t begin, std::size_t end, RecordNumber number, Error error) {
+    if (was_last_write(begin, end)) return tear();
+    return damaged(begin, number, std::move(error));
   }
-
   Result<void> tear() {
     content_.torn = true;
     return {};
   }
-  static tl::unexpected<Error> damaged(std::size_t at, RecordNumber number, std::string message) {
-    return fail("store.damaged", std::move(message),
-                "offset " + std::to_string(at) + ", record " + std::to_string(number));
+  static tl::unexpected<Error> damaged(std::size_t at, RecordNumber number, Error error) {
+    error.location = "offset " + std::to_string(at) + ", record " + std::to_string(number);
+    return tl::unexpected<Error>(std::move(error));
   }
 
   std::string_view bytes_;
   const OnRecord& on_record_;
   SegmentContent content_;
+  std::vector<RecordView> views_;  ///< of the batch that is being read
 };
 
 }  // namespace

@@ -8,8 +8,6 @@
 namespace cosiva::journal {
 namespace {
 
-constexpr std::size_t sector_bytes = 512;
-
 /// Zeros in the part of a sector that lies in [from, end of the bytes).
 void lose_sector(std::string& bytes, std::size_t sector, std::size_t from) {
   const std::size_t begin = std::max(sector * sector_bytes, from);

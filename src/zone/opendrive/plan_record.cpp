@@ -77,10 +77,9 @@ void drop_crumbs(std::vector<const Geometry*>& plan, std::vector<PlanRecord>& re
       if (std::min(before.arc, after.arc) > crumb_max_m ||
           can_close(before, raw(before, before.arc), raw(after, 0.0), after))
         break;
-      stays = before.arc < after.arc;
-      // The first record stays in place: the road begins there. A longer one is not left out for its sake.
-      if (stays && kept == 1 && after.arc > crumb_max_m) break;
-      stays = stays && kept > 1;
+      // The first record stays in place: the road begins there. One that is no crumb is not left out for its sake.
+      if (kept == 1 && after.arc > crumb_max_m) break;
+      stays = kept > 1 && before.arc < after.arc;
       const double removed = stays ? left_out(plan[kept - 1], before) : left_out(plan[i], after);
       if (stays) --kept;
       records[kept - 1].slack += removed;

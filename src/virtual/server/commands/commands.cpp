@@ -195,10 +195,9 @@ bool Commands::effect_observed(const Command& command) const {
       return !state.paused && (!proxy.reported_state.imposed() || limited_since);
     }
     case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
-    case OperatorCommandKind::limit: {
+    case OperatorCommandKind::limit:
       return action_sender_.find(command.handle)->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;
-    }
     case OperatorCommandKind::slow:
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast: break;
