@@ -48,12 +48,15 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   const second = new Program(t, cosiva_binary(), args, { name: 'cosiva battery' });
   await eventually('it goes on', () => second.words.includes('continues from'), { within_ms: 20_000 });
 
-  // Frozen, so that no supervisor starts it again: a vehicle that sends nothing any more.
-  const lost = await platform.child(/aiv\D*3$/i);
-  process.kill(lost.pid, 'SIGSTOP');
-  finally_do(t, () => alive(lost.pid) && process.kill(lost.pid, 'SIGCONT'));
+  // Its program dies whenever the supervisor has started it again: a vehicle that is lost for good.
+  const killing = setInterval(() => {
+    const lost = platform.children().find(({ name }) => /aiv\D*3$/i.test(name));
+    if (lost?.pid > 0 && alive(lost.pid)) process.kill(lost.pid, 'SIGKILL');
+  }, 20);
+  finally_do(t, () => clearInterval(killing));
 
   const { code } = await second.ended;
+  clearInterval(killing);
   assert.equal(code, 0, second.words.slice(-3000));
   const result = JSON.parse(readFileSync(path.join(out, 'result.json'), 'utf8'));
   assert.equal(result.batteries.length, 4, 'a record for each');
