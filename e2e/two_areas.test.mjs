@@ -17,7 +17,7 @@ class ControlArea {
   }
 
   start() {
-    const args = ['server', '--area', this.name, '--zone', zone(`area_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--state-file', path.join(this.folder, `${this.name}.state_file`)];
+    const args = ['server', '--area', this.name, '--zone', zone(`area_${this.name}`), '--broker', this.broker, '--port', String(this.port), '--headless', '--store', path.join(this.folder, `${this.name}.store`)];
     this.program = new Program(this.t, cosiva_binary(), args, { cwd: this.folder, name: `server ${this.name}` });
   }
 

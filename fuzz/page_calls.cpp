@@ -83,9 +83,11 @@ struct Server {
     app::PageHost host;
     host.core = &core;
     host.command = [this](const std::string& source, std::string json,
-                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded,
+                          const app::PageHost::Decided& decided) {
       effects.clear();
       core.handle({now, wire::InputKind::command, source, std::move(json), false, std::move(decoded)}, effects);
+      decided({});
     };
     host.now = [this] { return now; };
     host.zones = std::make_shared<const OneZone>();

@@ -128,11 +128,16 @@ function kill(pid, signal) {
 }
 
 /** A long-running `cosiva` (up, server, plant, aiv …) or any other program. */
+/** The environment; what a program keeps beyond its run is in its folder, not the user's. */
+function own_state(cwd) {
+  return cwd ? { ...process.env, XDG_STATE_HOME: path.join(cwd, 'state') } : process.env;
+}
+
 export class Program {
   constructor(t, binary, args, { cwd, env, name = args[0] } = {}) {
     this.name = name;
     this.words = '';
-    this.spawned = spawn(binary, args, { cwd, env: env ?? process.env, stdio: ['ignore', 'pipe', 'pipe'] });
+    this.spawned = spawn(binary, args, { cwd, env: env ?? own_state(cwd), stdio: ['ignore', 'pipe', 'pipe'] });
     this.pid = this.spawned.pid;
     this.spawned.stdout.on('data', (chunk) => (this.words += chunk));
     this.spawned.stderr.on('data', (chunk) => (this.words += chunk));

@@ -6,16 +6,16 @@
 
 namespace cosiva::adapters {
 
-void InputQueue::push(wire::Input input) {
+void InputQueue::push(wire::Input input, Durable durable) {
   if (closed_) return;
   COSIVA_EXPECT(handling_ || waiting_.empty());
-  waiting_.push_back(std::move(input));
+  waiting_.push_back({std::move(input), std::move(durable)});
   if (std::exchange(handling_, true)) return;
   while (!waiting_.empty()) {
-    const wire::Input next = std::move(waiting_.front());
+    Waiting next = std::move(waiting_.front());
     waiting_.pop_front();
     ++handled_;
-    handle_(next);
+    handle_(next.input, std::move(next.durable));
   }
   handling_ = false;
 }

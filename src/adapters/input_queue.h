@@ -14,11 +14,13 @@ namespace cosiva::adapters {
 /// Invariant: while no input is handled, none waits; none waits once the queue is closed.
 class InputQueue {
  public:
-  using Handle = std::function<void(const wire::Input&)>;
+  /// Called when an input is durable, where its sender wants to know; else empty.
+  using Durable = std::function<void()>;
+  using Handle = std::function<void(const wire::Input&, Durable)>;
   explicit InputQueue(Handle handle) : handle_{std::move(handle)} {}
 
   /// Handles the input, now or after those that wait. Once closed, the input is dropped.
-  void push(wire::Input input);
+  void push(wire::Input input, Durable durable = {});
   /// Drops what waits and all that follows.
   void close();
   [[nodiscard]] bool closed() const { return closed_; }
@@ -26,8 +28,13 @@ class InputQueue {
   [[nodiscard]] std::uint64_t handled() const { return handled_; }
 
  private:
+  struct Waiting {
+    wire::Input input;
+    Durable durable;
+  };
+
   Handle handle_;
-  std::deque<wire::Input> waiting_;
+  std::deque<Waiting> waiting_;
   std::uint64_t handled_{0};
   bool handling_{false};
   bool closed_{false};

@@ -14,7 +14,7 @@ wire::Input named(const std::string& name) { return {SimTime{}, wire::InputKind:
 
 TEST(InputQueue, handles_each_input_at_once) {
   std::vector<std::string> handled;
-  InputQueue queue{[&](const wire::Input& input) { handled.push_back(input.source); }};
+  InputQueue queue{[&](const wire::Input& input, const InputQueue::Durable&) { handled.push_back(input.source); }};
   queue.push(named("a"));
   EXPECT_THAT(handled, ElementsAre("a"));
   queue.push(named("b"));
@@ -25,7 +25,7 @@ TEST(InputQueue, handles_each_input_at_once) {
 TEST(InputQueue, handles_an_input_that_another_one_causes_after_that_one) {
   std::vector<std::string> handled;
   InputQueue* inputs = nullptr;
-  InputQueue queue{[&](const wire::Input& input) {
+  InputQueue queue{[&](const wire::Input& input, const InputQueue::Durable&) {
     if (input.source == "a") {
       inputs->push(named("b"));
       inputs->push(named("c"));
@@ -40,7 +40,7 @@ TEST(InputQueue, handles_an_input_that_another_one_causes_after_that_one) {
 TEST(InputQueue, handles_nothing_that_waited_when_it_was_closed) {
   std::vector<std::string> handled;
   InputQueue* inputs = nullptr;
-  InputQueue queue{[&](const wire::Input& input) {
+  InputQueue queue{[&](const wire::Input& input, const InputQueue::Durable&) {
     handled.push_back(input.source);
     inputs->push(named("waits"));
     inputs->close();

@@ -30,7 +30,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
         open_ports{std::move(open_ports_)},
         runner{core_, [this](const wire::Input& input) { record(input); }},
         log_writer{loop_, writes_to(STDERR_FILENO), {}},
-        inputs{[this](const wire::Input& input) { handle(input); }},
+        inputs{[this](const wire::Input& input, InputQueue::Durable durable) { handle(input, std::move(durable)); }},
         tick_timer{loop_},
         links{loop_, handlers()} {}
 
@@ -59,13 +59,48 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     inputs.push({clock.now(), kind, std::move(source), std::move(payload), flag, std::move(typed)});
   }
 
-  void handle(const wire::Input& input) {
+  void handle(const wire::Input& input, InputQueue::Durable durable) {
     for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
+    complete(std::move(durable));
     if (after_input) after_input();
+  }
+
+  /// The input and the state that it made the core persist are stored together.
+  void complete(InputQueue::Durable durable) {
+    if (!options.store) return durable ? durable() : void();
+    if (durable)
+      options.store->complete_now(std::move(durable));
+    else
+      options.store->complete();
+  }
+
+  void urgent_command(const std::string& source, std::string json,
+                      std::shared_ptr<const wire::InProcessMessage> decoded, std::function<void()> durable) {
+    inputs.push({clock.now(), wire::InputKind::command, source, std::move(json), false, std::move(decoded)},
+                std::move(durable));
   }
 
   void record(const wire::Input& input) {
     if (writer) writer->append(input);
+    if (options.store) options.store->append(input);
+  }
+
+  void command(const std::string& source, std::string json, std::shared_ptr<const wire::InProcessMessage> decoded,
+               InputStore::Decided decided) {
+    if (!decided) decided = [](const Result<void>&) {};
+    if (!options.store) {
+      deliver(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
+      return decided({});
+    }
+    wire::Input proposal{clock.now(), wire::InputKind::proposal, source, json, false};
+    options.store->propose(std::move(proposal),
+                           [weak = weak_from_this(), source, json = std::move(json), decoded = std::move(decoded),
+                            decided = std::move(decided)](const Result<void>& kept) {
+                             const auto self = weak.lock();
+                             if (!self) return;
+                             if (kept) self->deliver(wire::InputKind::command, source, json, true, decoded);
+                             decided(kept);
+                           });
   }
 
   // --- effects -----------------------------------------------------------------------------------------------------
@@ -75,6 +110,8 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void act(const wire::Listen& listen) { links.act(listen); }
   void act(const wire::Log& line) { log(line.level, line.text); }
   void act(const wire::Persist& persist) {
+    if (options.store)
+      return options.store->append({clock.now(), wire::InputKind::persisted, {}, persist.bytes, false});
     if (!state_file) return;
     if (auto stored = state_file->store(persist.bytes); !stored) {
       log('e', "no state is stored from now on: " + to_string(stored.error()));
@@ -94,14 +131,22 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     return {};
   }
 
+  /// Gives the core what an earlier process left: its state, and the commands that were accepted from its users.
+  void restore() {
+    InputStore::Left left;
+    if (options.store) left = options.store->left();
+    if (state_file) left.persisted = state_file->load();
+    if (left.persisted) deliver(wire::InputKind::restore, "state", std::move(*left.persisted));
+    for (wire::Input& command : left.accepted)
+      deliver(wire::InputKind::command, std::move(command.source), std::move(command.payload), true);
+  }
+
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
-    if (!options.state_file.empty()) state_file.emplace(options.state_file);
+    if (!options.state_file.empty() && !options.store) state_file.emplace(options.state_file);
     COSIVA_EXPECT(inputs.handled() == 0);
     deliver(wire::InputKind::configure, options.kind, options.options);
-    if (state_file) {
-      if (auto bytes = state_file->load()) deliver(wire::InputKind::restore, "state", std::move(*bytes));
-    }
+    restore();
     if (options.mqtt) {
       if (auto prepared = links.prepare(*options.mqtt, core, options.obeys_radio); !prepared) return prepared;
     }
@@ -128,6 +173,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
       writer->end(at, digest);
       journal->flush();
     }
+    if (options.store) options.store->drain();
     links.stop([this, done, digest] {
       log_writer.drain();
       done(digest);
@@ -157,8 +203,12 @@ LiveShell::~LiveShell() = default;
 
 Result<void> LiveShell::start() { return impl_->start(); }
 void LiveShell::command(const std::string& source, std::string json,
-                        std::shared_ptr<const wire::InProcessMessage> decoded) {
-  impl_->deliver(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
+                        std::shared_ptr<const wire::InProcessMessage> decoded, InputStore::Decided decided) {
+  impl_->command(source, std::move(json), std::move(decoded), std::move(decided));
+}
+void LiveShell::urgent_command(const std::string& source, std::string json,
+                               std::shared_ptr<const wire::InProcessMessage> decoded, std::function<void()> durable) {
+  impl_->urgent_command(source, std::move(json), std::move(decoded), std::move(durable));
 }
 void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
 void LiveShell::stop(const std::function<void(const std::string& digest)>& done) { impl_->stop(done); }

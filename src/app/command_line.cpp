@@ -7,6 +7,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/options.h"
 #include "cosiva/app/gvs/command_line_gvs.h"
+#include "cosiva/app/journal/command_line_journal.h"
 #include "cosiva/app/platform/command_line_platform.h"
 #include "cosiva/app/positioning/command_line_campaign.h"
 #include "cosiva/app/positioning/command_line_qualify.h"
@@ -58,6 +59,9 @@ int run_command_line(int argc, const char* const* argv) {
   GvsArguments gvs;
   const GvsCommands gvs_commands = describe_gvs(root, gvs);
 
+  JournalArguments journal;
+  const JournalCommands journal_commands = describe_journal(root, journal);
+
   if (const auto status = line.parse(argc, argv)) return *status;
   if (const auto status = run_platform_command(platform_commands, platform)) return *status;
   if (traffic_command.chosen()) return run_traffic(traffic);
@@ -71,6 +75,9 @@ int run_command_line(int argc, const char* const* argv) {
         "a subcommand is missing: sampled, fleet, fit, ready, plan, discharge, analyse, compare or check");
   if (const auto status = run_qualify_command(qualify_commands, qualify, argc, argv)) return *status;
   if (const auto status = run_gvs_command(gvs_commands, gvs)) return *status;
+  if (const auto status = run_journal_command(journal_commands, journal)) return *status;
+  if (journal_commands.journal.chosen())
+    return journal_commands.journal.refuse("a subcommand is missing: list, verify, export, compact or repair");
   if (gvs_commands.gvs.chosen())
     return gvs_commands.gvs.refuse("a subcommand is missing: calibrate, track, render or watch");
   if (agent_commands.agent.chosen()) return agent_commands.agent.refuse("a subcommand is missing: explain or surface");

@@ -13,8 +13,18 @@ CallContext::CallContext(PageHost host) : host_{std::move(host)} {
 Result<void> CallContext::give(std::string json) {
   auto decoded = std::make_shared<const virtual_side::DecodedCommand>(json);
   if (auto checked = host_.core->check_command(*decoded); !checked) return checked;
-  host_.command("http", std::move(json), std::move(decoded));
+  give_unchecked(std::move(json), std::move(decoded));
   return {};
+}
+
+void CallContext::give_unchecked(std::string json, std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
+  ++undecided_;
+  host_.command("http", std::move(json), std::move(decoded), [this](const Result<void>& kept) {
+    COSIVA_EXPECT(undecided_ > 0);
+    --undecided_;
+    if (!kept) failure_ = kept.error();
+    if (undecided_ == 0 && on_decided_) on_decided_();
+  });
 }
 
 PageHost::Clock CallContext::clock() const { return host_.clock ? host_.clock() : PageHost::Clock{}; }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/adapters/http/http_server.h"
@@ -27,9 +31,21 @@ class CallContext {
   explicit CallContext(PageHost host);
 
   [[nodiscard]] const PageHost& host() const { return host_; }
-  /// Has the core check a command and, where the core would accept it, gives it to the core. Fails with the core's
-  /// refusal.
+  /// Has the core check a command and, where the core would accept it, gives it to the core, now or once the command is
+  /// durable. Fails with the core's refusal.
   [[nodiscard]] Result<void> give(std::string json);
+  /// Gives a command that the core evaluates itself, whatever a check would find.
+  void give_unchecked(std::string json, std::shared_ptr<const virtual_side::DecodedCommand> decoded);
+  /// The response to the present request depends on what its commands have made of the platform: `response` is called
+  /// once they are decided, and replaces what the handler returned.
+  void respond_once_decided(std::function<adapters::HttpResponse()> response) { response_ = std::move(response); }
+  [[nodiscard]] std::function<adapters::HttpResponse()> take_response() { return std::exchange(response_, {}); }
+  /// How many of those commands are not decided.
+  [[nodiscard]] std::size_t undecided() const { return undecided_; }
+  /// Calls `action` each time that no command is undecided any more.
+  void on_decided(std::function<void()> action) { on_decided_ = std::move(action); }
+  /// Why a command since the last call could not be stored; nothing where all could.
+  [[nodiscard]] std::optional<Error> take_failure() { return std::exchange(failure_, std::nullopt); }
   /// The clock of the run; the wall's where the host has none of its own.
   [[nodiscard]] PageHost::Clock clock() const;
 
@@ -47,6 +63,10 @@ class CallContext {
 
  private:
   PageHost host_;
+  std::size_t undecided_{0};
+  std::optional<Error> failure_;
+  std::function<adapters::HttpResponse()> response_;
+  std::function<void()> on_decided_;
   std::uint64_t boxes_{0};
   std::optional<std::set<std::string>> plant_obstacles_;  ///< nothing: no emulated world has reported
   std::set<std::string> plant_added_;  ///< by these calls, and not yet reported by the emulated world

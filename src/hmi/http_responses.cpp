@@ -28,6 +28,7 @@ HttpResponse refusal(const Error& error) {
   unsigned status = 400;
   for (const auto& [code, meant] : cases)
     if (error.code == code) status = meant;
+  if (error.code.starts_with("disk.")) status = 503;
   return http_error(status, error.code, to_string(error));
 }
 

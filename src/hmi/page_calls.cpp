@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/hmi/clock_calls.h"
 #include "cosiva/hmi/commands.h"
 #include "cosiva/hmi/http_responses.h"
@@ -72,6 +73,13 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
   return arguments;
 }
 
+/// Whether a request is a Stop: the command that must not wait for the disk, nor for other changes.
+bool is_stop(const HttpRequest& request) {
+  if (request.method != "POST" || request.path != "/api/v1/commands") return false;
+  const auto body = JsonValue::parse(request.body, virtual_side::DecodedCommand::vehicle_command_bytes_max);
+  return body && body->text("command") == "stop";
+}
+
 Result<JsonValue> object_of(const std::string& body) {
   if (body.empty()) return fail("http.body", "this call needs a JSON object as its body; GET /api shows its fields");
   auto value = JsonValue::parse(body, switch_bytes_max);
@@ -81,6 +89,36 @@ Result<JsonValue> object_of(const std::string& body) {
 }
 
 }  // namespace
+
+PageCalls::PageCalls(PageHost host) : context_{std::move(host)} {
+  context_.on_decided([this] { handle_changes(); });
+}
+
+HttpResponse PageCalls::respond(const HttpRequest& request) {
+  if (!adapters::http_rules::changes_state(request.method) || is_stop(request)) return response(request);
+  HttpResponse later;
+  later.later = [this, request](Respond respond) {
+    changes_.push_back({request, std::move(respond), std::nullopt});
+    handle_changes();
+  };
+  return later;
+}
+
+void PageCalls::handle_changes() {
+  // A command that is decided at once calls this function from within.
+  if (std::exchange(handling_, true)) return;
+  while (!changes_.empty()) {
+    Change& change = changes_.front();
+    if (!change.response) change.response = response(change.request);
+    if (context_.undecided() > 0) break;
+    const auto failure = context_.take_failure();
+    const auto made = context_.take_response();
+    const Change done = std::move(change);
+    changes_.pop_front();
+    done.respond(failure ? refusal(*failure) : made ? made() : *done.response);
+  }
+  handling_ = false;
+}
 
 HttpResponse PageCalls::response(const HttpRequest& request) {
   std::string allowed;
@@ -97,7 +135,10 @@ HttpResponse PageCalls::response(const HttpRequest& request) {
       if (!body) return refusal(body.error());
       call.body = std::move(*body);
     }
-    return route.handler(context_, call);
+    HttpResponse response = route.handler(context_, call);
+    if (context_.undecided() > 0) return response;
+    const auto made = context_.take_response();
+    return made ? made() : response;
   }
   if (allowed.empty())
     return http_error(404, "http.not_found", "there is no call " + request.path + "; GET /api lists those there are");

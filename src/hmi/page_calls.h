@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -18,11 +21,18 @@ inline constexpr std::string_view switch_path = "/api/v1/zone/switch";
 inline constexpr std::size_t switch_bytes_max = std::size_t{64} << 20U;
 
 /// The HTTP half of the page's contract, as a table of calls, without sockets: requests in, responses out. Every change
-/// is checked by the core first, so that the response is immediate, and then given to the core as a command.
+/// is checked by the core first, and then given to the core as a command.
+///
+/// Invariant: only the first of the changes that wait has been handled.
 class PageCalls {
  public:
-  explicit PageCalls(PageHost host) : context_{std::move(host)} {}
+  explicit PageCalls(PageHost host);
 
+  /// The response to a request; to one that changes something only once its commands are durable (HttpResponse::later).
+  /// Changes are handled one after the other, so that each is checked against what the one before has made of the
+  /// platform. A Stop waits for nothing.
+  [[nodiscard]] adapters::HttpResponse respond(const adapters::HttpRequest& request);
+  /// Handles a request now; the commands that it gave may not be decided yet.
   [[nodiscard]] adapters::HttpResponse response(const adapters::HttpRequest& request);
 
   /// The obstacles that the emulated world reports: the only ones that can be removed.
@@ -41,7 +51,18 @@ class PageCalls {
   [[nodiscard]] const CallContext& context() const { return context_; }
 
  private:
+  using Respond = std::function<void(adapters::HttpResponse)>;
+  /// A change that waits for its turn, or, the first one, for its commands to be decided.
+  struct Change {
+    adapters::HttpRequest request;
+    Respond respond;
+    std::optional<adapters::HttpResponse> response;  ///< that counts when its commands are stored
+  };
+  void handle_changes();
+
   CallContext context_;
+  std::deque<Change> changes_;
+  bool handling_{false};
 };
 
 }  // namespace cosiva::app

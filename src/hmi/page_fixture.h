@@ -29,9 +29,11 @@ struct PageFixture {
     PageHost host;
     host.core = server.server.get();
     host.command = [this](const std::string& source, std::string json,
-                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded,
+                          const PageHost::Decided& decided) {
       commands.push_back(json);
       server.feed(wire::InputKind::command, source, std::move(json), false, std::move(decoded));
+      decided({});
     };
     host.now = [this] { return server.now; };
     host.zones = std::make_shared<const FileZoneLibrary>();

@@ -56,7 +56,7 @@ Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, 
   }
   auto http = adapters::HttpServer::listen(
       loop, std::move(options),
-      [calls = &inside->calls](const adapters::HttpRequest& request) { return calls->response(request); });
+      [calls = &inside->calls](const adapters::HttpRequest& request) { return calls->respond(request); });
   if (!http) return tl::unexpected(http.error());
   inside->http = std::move(*http);
   inside->stream = std::make_unique<PageStream>(loop, *inside->http, inside->source());

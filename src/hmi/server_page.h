@@ -16,9 +16,12 @@ namespace cosiva::app {
 /// The program behind the page: a live server, or a world in virtual time.
 struct PageHost {
   const virtual_side::ServerCore* core{};
-  /// Gives the core a command as Input::command, as its text and decoded.
+  /// Called when the core has been given a command, or with the reason why it cannot be stored.
+  using Decided = std::function<void(const Result<void>&)>;
+  /// Gives the core a command as Input::command, as its text and decoded: once the command is durable, unless it is a
+  /// Stop.
   std::function<void(const std::string& source, std::string json,
-                     std::shared_ptr<const virtual_side::DecodedCommand> decoded)>
+                     std::shared_ptr<const virtual_side::DecodedCommand> decoded, Decided decided)>
       command;
   std::function<SimTime()> now;
   std::shared_ptr<const ZoneLibrary> zones;  ///< never null

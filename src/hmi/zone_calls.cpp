@@ -71,10 +71,14 @@ Result<zone::ZoneConfiguration> given_zone(const JsonValue& body) {
   return configuration;
 }
 
-std::string revision_json(std::uint64_t revision) {
-  JsonWriter json;
-  json.begin_object().field("revision", revision).end_object();
-  return json.take();
+/// The revision that the given command has made.
+HttpResponse revision_once_decided(CallContext& context) {
+  context.respond_once_decided([&context] {
+    JsonWriter json;
+    json.begin_object().field("revision", context.host().core->zone_revision()).end_object();
+    return json_response(json.take());
+  });
+  return {};
 }
 
 Result<void> give_edit(CallContext& context, const JsonValue& changes) {
@@ -89,7 +93,26 @@ HttpResponse step_zone(CallContext& context, std::string_view direction) {
   JsonWriter json;
   json.begin_object().field("command", direction).end_object();
   if (auto given = context.give(json.take()); !given) return refusal(given.error());
-  return json_response(revision_json(context.host().core->zone_revision()));
+  return revision_once_decided(context);
+}
+
+/// What a switch has made of the zone.
+HttpResponse switched(const CallContext& context, const virtual_side::DecodedCommand& command,
+                      const zone::ZoneConfiguration& given) {
+  const auto in_force = context.host().core->zone_configuration();
+  if (!in_force || in_force->format != given.format || in_force->text != given.text ||
+      in_force->sidecar != given.sidecar) {
+    const auto evaluated = context.host().core->check_command(command);
+    const Error why =
+        evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
+    return http_error(422, why.code, to_string(why));
+  }
+  JsonWriter response;
+  response.begin_object()
+      .field("revision", context.host().core->zone_revision())
+      .field("name", zone_name(*context.host().core))
+      .end_object();
+  return json_response(response.take());
 }
 
 /// The file that edits of this zone may be saved into: the one that the run was started with, while its zone is in
@@ -178,21 +201,10 @@ HttpResponse switch_zone(CallContext& context, const Call& call) {
   // The core parses the file once, however large it is, and also publishes on the page why it refuses; only then is it
   // queried again.
   const auto decoded = std::make_shared<const virtual_side::DecodedCommand>(command);
-  context.host().command("http", command, decoded);
-  const auto in_force = context.host().core->zone_configuration();
-  if (!in_force || in_force->format != configuration->format || in_force->text != configuration->text ||
-      in_force->sidecar != configuration->sidecar) {
-    const auto evaluated = context.host().core->check_command(*decoded);
-    const Error why =
-        evaluated ? Error{"zone.refused", "the zone that was there stays in force", {}} : evaluated.error();
-    return http_error(422, why.code, to_string(why));
-  }
-  JsonWriter response;
-  response.begin_object()
-      .field("revision", context.host().core->zone_revision())
-      .field("name", zone_name(*context.host().core))
-      .end_object();
-  return json_response(response.take());
+  context.give_unchecked(command, decoded);
+  context.respond_once_decided(
+      [&context, decoded, given = *configuration] { return switched(context, *decoded, given); });
+  return {};
 }
 
 HttpResponse edit_zone(CallContext& context, const Call& call) {
@@ -200,7 +212,7 @@ HttpResponse edit_zone(CallContext& context, const Call& call) {
     return http_error(400, "edit.empty",
                       R"(state what to change: "addTags", "moveTags", "removeTags", "beaconPitch" or "priorities")");
   if (const auto given = give_edit(context, call.body); !given) return refusal(given.error());
-  return json_response(revision_json(context.host().core->zone_revision()));
+  return revision_once_decided(context);
 }
 
 HttpResponse put_priorities(CallContext& context, const Call& call) {

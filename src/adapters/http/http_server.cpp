@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -26,6 +27,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using ErrorCode = beast::error_code;
+using Steady = std::chrono::steady_clock;
 using Request = http::request<http::string_body>;
 using Response = http::response<http::string_body>;
 
@@ -33,6 +35,7 @@ constexpr std::string_view live_path = "/api/v1/live";
 constexpr std::string_view api_prefix = "/api/";
 constexpr std::uint32_t header_bytes_max = 16 * 1024;
 constexpr std::chrono::seconds linger_max{2};
+constexpr std::chrono::milliseconds accept_again{100};
 constexpr std::size_t drained_bytes_max = 16 * 1024 * 1024;
 /// Whole files that are received at the same time: each may fill the memory allowed for one.
 constexpr std::size_t large_bodies_max = 2;
@@ -67,18 +70,25 @@ class HttpSession;
 struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   Impl(EventLoop& loop, HttpOptions options_, Handler api_)
       : acceptor{loop.context()},
+        retry{loop.context()},
         options{std::move(options_)},
         api{std::move(api_)},
         live{std::make_shared<LiveStream>(options.request_timeout, options.live_timeout)} {}
 
   Result<void> listen();
   void accept();
-  Response response(const Request& request) const;
-  Response too_many(const Request& request) const;
+  /// Accepts the next connection: at once, or after a pause where the last attempt failed.
+  void accept_soon(const ErrorCode& error);
+  /// Closes the connection that has waited for its next request the longest, where there are too many; false: all of
+  /// them are in use.
+  bool make_room();
+  HttpResponse response(const Request& request) const;
+  HttpResponse too_many() const;
   HttpResponse respond_to_api(const Request& request, std::string_view target) const;
   void close();
 
   tcp::acceptor acceptor;
+  asio::steady_timer retry;
   HttpOptions options;
   Handler api;
   std::uint16_t port{0};
@@ -89,6 +99,28 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
 };
 
 using Shared = std::shared_ptr<HttpServer::Impl>;
+
+namespace {
+
+/// Header fields of every response.
+Response finish(const Request& request, HttpResponse plain) {
+  Response response{static_cast<http::status>(plain.status), request.version()};
+  response.set(http::field::content_type, plain.content_type);
+  response.set(http::field::cache_control, "no-cache");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  response.set("Content-Security-Policy",
+               "default-src 'self'; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+               "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+  for (const auto& [name, value] : plain.headers) response.set(name, value);
+  response.keep_alive(request.keep_alive());
+  response.body() = std::move(plain.body);
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();  // the length stays announced
+  return response;
+}
+
+}  // namespace
 
 // --- one HTTP connection --------------------------------------------------------------------------------------------
 
@@ -111,13 +143,18 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void start() { read(server_->options.request_timeout); }
 
   void close() {
+    server_->sessions.erase(this);
     ErrorCode ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
     stream_.close();
   }
 
+  /// Since when it waits for a request; nothing while it handles one.
+  [[nodiscard]] std::optional<Steady::time_point> waits_since() const { return waits_since_; }
+
  private:
   void read(std::chrono::milliseconds limit) {
+    waits_since_ = Steady::now();
     parser_.emplace();
     parser_->header_limit(header_bytes_max);
     // The limit of a body depends on its path, which is in the header.
@@ -131,6 +168,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void on_header(const ErrorCode& error) {
     if (error) return on_read(error);
+    waits_since_.reset();
     const HttpOptions& options = server_->options;
     const auto announced = parser_->content_length();
     const bool large = view(parser_->get().target()) == options.large_body_path && options.large_body_bytes_max > 0;
@@ -168,7 +206,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       server_->live->accept(stream_.release_socket(), request);
       return;
     }
-    write(rate_.take(std::chrono::steady_clock::now()) ? server_->response(request) : server_->too_many(request));
+    respond(rate_.take(std::chrono::steady_clock::now()) ? server_->response(request) : server_->too_many());
+  }
+
+  void respond(HttpResponse plain) {
+    if (!plain.later) return write(finish(parser_->get(), std::move(plain)));
+    stream_.expires_never();
+    plain.later([self = shared_from_this()](HttpResponse response) { self->respond(std::move(response)); });
   }
 
   void end_large() {
@@ -229,6 +273,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   Shared server_;
   beast::tcp_stream stream_;
   http_rules::RateLimit rate_;
+  std::optional<Steady::time_point> waits_since_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   std::size_t body_bytes_max_{0};
@@ -261,77 +306,74 @@ Result<void> HttpServer::Impl::listen() {
               "127.0.0.1:" + std::to_string(options.port));
 }
 
+bool HttpServer::Impl::make_room() {
+  if (sessions.size() < options.clients_max) return true;
+  HttpSession* longest = nullptr;
+  for (HttpSession* session : sessions) {
+    if (session->waits_since() && (longest == nullptr || *session->waits_since() < *longest->waits_since()))
+      longest = session;
+  }
+  if (longest != nullptr) longest->close();
+  return longest != nullptr;
+}
+
+void HttpServer::Impl::accept_soon(const ErrorCode& error) {
+  if (!error) return accept();
+  // Out of descriptors: the connection stays in the queue, and another attempt at once would fail again.
+  retry.expires_after(accept_again);
+  retry.async_wait([weak = weak_from_this()](const ErrorCode& cancelled) {
+    const auto self = weak.lock();
+    if (self && !self->closed && !cancelled) self->accept();
+  });
+}
+
 void HttpServer::Impl::accept() {
   acceptor.async_accept([weak = weak_from_this()](const ErrorCode& error, tcp::socket socket) {
     const auto self = weak.lock();
     if (!self || self->closed) return;
     ErrorCode ignored;
     if (!error) socket.set_option(tcp::no_delay(true), ignored);
-    // Out of descriptors, or too many clients: the new connection is dropped, the present ones stay served.
-    if (!error && self->sessions.size() < self->options.clients_max)
-      std::make_shared<HttpSession>(self, std::move(socket))->start();
+    if (!error && self->make_room()) std::make_shared<HttpSession>(self, std::move(socket))->start();
     COSIVA_EXPECT(self->sessions.size() <= self->options.clients_max);
-    self->accept();
+    self->accept_soon(error);
   });
 }
 
-namespace {
-
-/// Header fields of every response.
-Response finish(const Request& request, HttpResponse plain) {
-  Response response{static_cast<http::status>(plain.status), request.version()};
-  response.set(http::field::content_type, plain.content_type);
-  response.set(http::field::cache_control, "no-cache");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Content-Security-Policy",
-               "default-src 'self'; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
-               "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
-  for (const auto& [name, value] : plain.headers) response.set(name, value);
-  response.keep_alive(request.keep_alive());
-  response.body() = std::move(plain.body);
-  response.prepare_payload();
-  if (request.method() == http::verb::head) response.body().clear();  // the length stays announced
-  return response;
-}
-
-}  // namespace
-
-Response HttpServer::Impl::response(const Request& request) const {
+HttpResponse HttpServer::Impl::response(const Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
-    return finish(request, http_error(403, "http.host", "this server accepts this machine's own names only"));
+    return http_error(403, "http.host", "this server accepts this machine's own names only");
   const std::string_view target = view(request.target());
   const auto path = http_rules::clean_path(target.substr(0, target.find('?')));
-  if (!path) return finish(request, http_error(400, "http.path", "this is not a path of this server"));
-  if (*path == "/api" || path->starts_with(api_prefix)) return finish(request, respond_to_api(request, target));
+  if (!path) return http_error(400, "http.path", "this is not a path of this server");
+  if (*path == "/api" || path->starts_with(api_prefix)) return respond_to_api(request, target);
 
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     HttpResponse refusal = http_error(405, "http.method", "pages can only be read");
     refusal.headers.emplace_back("Allow", "GET, HEAD");
-    return finish(request, std::move(refusal));
+    return refusal;
   }
   auto file = options.web_root.empty() ? fail("http.not_found", "no page is built")
                                        : http_rules::load_static(options.web_root, *path);
   if (!file) {
     if (*path == "/" && !options.page_without_web_root.empty())
-      return finish(request, {200, "text/html; charset=utf-8", options.page_without_web_root, {}});
-    return finish(request, http_error(404, file.error().code, file.error().message));
+      return {200, "text/html; charset=utf-8", options.page_without_web_root, {}};
+    return http_error(404, file.error().code, file.error().message);
   }
   HttpResponse found{200, std::string(file->mime), std::move(file->bytes), {{"ETag", file->etag}}};
   if (http_rules::etag_matches(view(request[http::field::if_none_match]), file->etag)) {
     found.status = 304;
     found.body.clear();
   }
-  return finish(request, std::move(found));
+  return found;
 }
 
-Response HttpServer::Impl::too_many(const Request& request) const {
+HttpResponse HttpServer::Impl::too_many() const {
   HttpResponse refusal = http_error(429, "http.rate",
                                     "more than " + std::to_string(std::lround(options.requests_per_second)) +
                                         " requests a second came over this connection; send fewer requests, or use " +
                                         std::string(live_path));
   refusal.headers.emplace_back("Retry-After", "1");
-  return finish(request, std::move(refusal));
+  return refusal;
 }
 
 HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::string_view target) const {
@@ -359,7 +401,8 @@ void HttpServer::Impl::close() {
   closed = true;
   ErrorCode ignored;
   acceptor.close(ignored);
-  for (HttpSession* session : sessions) session->close();
+  retry.cancel();
+  for (HttpSession* session : std::exchange(sessions, {})) session->close();
   live->close();
 }
 

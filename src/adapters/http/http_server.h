@@ -30,6 +30,9 @@ struct HttpResponse {
   std::string content_type{"application/json"};
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< further ones, such as Allow
+  /// Where set, this is no response yet: the server calls it at once with a function that takes the response, from the
+  /// loop, once.
+  std::function<void(std::function<void(HttpResponse)> respond)> later{};
 };
 /// {"error":{"code","message"}} with this status.
 [[nodiscard]] HttpResponse http_error(unsigned status, std::string_view code, std::string_view message);

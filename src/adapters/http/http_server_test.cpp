@@ -298,18 +298,40 @@ TEST_F(Http, takes_the_next_port_when_one_is_busy_and_reports_it) {
   EXPECT_EQ(none.error().code, "http.port");
 }
 
-TEST_F(Http, drops_new_connections_beyond_its_limit_and_serves_the_present_ones) {
+TEST_F(Http, closes_the_connection_that_was_idle_longest_for_a_new_one_beyond_its_limit) {
   HttpOptions options;
   options.clients_max = 2;
   serve(options);
   std::vector<tcp::socket> idle;
   for (int i = 0; i < 2; ++i) {
-    idle.emplace_back(loop.context());
-    idle.back().connect({asio::ip::address_v4::loopback(), server->port()});
+    idle.emplace_back(loop.context()).connect({asio::ip::address_v4::loopback(), server->port()});
+    loop.run_for(20ms);
+  }
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
+  const auto is_closed = [](tcp::socket& socket) {
+    socket.non_blocking(true);
+    std::array<char, 1> byte{};
+    boost::system::error_code error;
+    socket.read_some(asio::buffer(byte), error);
+    return error != asio::error::would_block;
+  };
+  EXPECT_TRUE(is_closed(idle[0]));
+  EXPECT_FALSE(is_closed(idle[1]));
+}
+
+TEST_F(Http, drops_new_connections_while_all_up_to_its_limit_are_in_use) {
+  HttpOptions options;
+  options.clients_max = 2;
+  serve(options);
+  std::vector<tcp::socket> slow;
+  for (int i = 0; i < 2; ++i) {
+    slow.emplace_back(loop.context()).connect({asio::ip::address_v4::loopback(), server->port()});
+    asio::write(slow.back(), asio::buffer(std::string("POST /api/v1/echo HTTP/1.1\r\nHost: localhost\r\n"
+                                                      "Content-Type: application/json\r\nContent-Length: 9\r\n\r\n")));
   }
   loop.run_for(50ms);
   EXPECT_EQ(get("/"), "");
-  idle.clear();
+  slow.clear();
   loop.run_for(50ms);
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));
 }

@@ -19,8 +19,16 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
     wire::Input input;
     Decided decided;
   };
+  /// What waits for the disk.
+  struct Pending {
+    Batch records;
+    std::vector<Proposal> proposals;
+    std::vector<std::function<void()>> notices;  ///< of records
 
-  Impl(EventLoop& loop_, std::unique_ptr<journal::Disk> disk_, const journal::SegmentStart& next,
+    [[nodiscard]] bool empty() const { return records.empty() && proposals.empty(); }
+  };
+
+  Impl(EventLoop& loop_, std::shared_ptr<journal::Disk> disk_, const journal::SegmentStart& next,
        GroupCommitHandlers handlers_, GroupCommitOptions options_)
       : loop{loop_},
         disk{std::move(disk_)},
@@ -34,10 +42,11 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
   void work() {
     std::unique_lock lock{mutex};
     for (;;) {
-      changed.wait(lock, [this] { return ends || !waiting.empty() || !proposals.empty(); });
-      if (waiting.empty() && proposals.empty()) return;
-      changed.wait_for(lock, options.period, [this] { return ends || hurried || !proposals.empty(); });
+      changed.wait(lock, [this] { return ends || !waiting.empty(); });
+      if (waiting.empty()) return;
+      changed.wait_for(lock, options.period, [this] { return ends || hurried || !waiting.proposals.empty(); });
       hurried = false;
+      if (waiting.empty()) continue;  // given up meanwhile
       if (write_waiting(lock)) continue;
       if (ends) return;
       changed.wait_for(lock, options.retry, [this] { return ends; });
@@ -46,22 +55,22 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
 
   /// Writes what waits. Where the disk refuses that, the records wait again, and the proposals are refused.
   bool write_waiting(std::unique_lock<std::mutex>& lock) {
-    Batch records = std::exchange(waiting, {});
-    std::vector<Proposal> proposed = std::exchange(proposals, {});
+    Pending taken = std::exchange(waiting, {});
     writing = true;
     lock.unlock();
-    const auto written = write(records, proposed);
+    const auto written = write(taken.records, taken.proposals);
     lock.lock();
     writing = false;
     if (written) {
       durable = log.next().first;
+      notify(std::move(taken.notices));
       recover();
     } else {
-      records.add(waiting);
-      waiting = std::move(records);
+      wait_again(taken);
       refuse(written.error());
     }
-    decide(std::move(proposed), written);
+    limit_waiting();
+    decide(std::move(taken.proposals), written);
     changed.notify_all();
     return written.has_value();
   }
@@ -78,6 +87,29 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
     if (proposed.empty()) return;
     post([proposed = std::move(proposed), written](const GroupCommitHandlers&) {
       for (const Proposal& proposal : proposed) proposal.decided(written);
+    });
+  }
+
+  /// Records that could not be written wait before those that came meanwhile.
+  void wait_again(Pending& taken) {
+    taken.records.add(waiting.records);
+    waiting.records = std::move(taken.records);
+    waiting.notices.insert(waiting.notices.begin(), taken.notices.begin(), taken.notices.end());
+  }
+
+  void notify(std::vector<std::function<void()>> awaited) {
+    if (awaited.empty()) return;
+    post([awaited = std::move(awaited)](const GroupCommitHandlers&) {
+      for (const auto& notice : awaited) notice();
+    });
+  }
+
+  /// Memory is bounded, however long the disk refuses.
+  void limit_waiting() {
+    if (waiting.records.records().size() <= options.waiting_bytes_max) return;
+    gapped = true;
+    post([count = std::exchange(waiting.records, {}).count()](const GroupCommitHandlers& to) {
+      if (to.on_gap) to.on_gap(count);
     });
   }
 
@@ -103,24 +135,24 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
   }
 
   EventLoop& loop;
-  std::unique_ptr<journal::Disk> disk;
+  std::shared_ptr<journal::Disk> disk;
   GroupCommitHandlers handlers;
   GroupCommitOptions options;
   journal::SegmentLog log;  ///< used by the thread only
 
   std::mutex mutex;  ///< of all that follows
   std::condition_variable changed;
-  Batch waiting;
-  std::vector<Proposal> proposals;
+  Pending waiting;
   journal::RecordNumber durable;
   std::optional<Error> refusal;
+  bool gapped{false};  ///< records are given up until a checkpoint
   bool hurried{false};
   bool writing{false};
   bool ends{false};
   std::thread thread;
 };
 
-GroupCommit::GroupCommit(EventLoop& loop, std::unique_ptr<journal::Disk> disk, const journal::SegmentStart& next,
+GroupCommit::GroupCommit(EventLoop& loop, std::shared_ptr<journal::Disk> disk, const journal::SegmentStart& next,
                          GroupCommitHandlers handlers, GroupCommitOptions options)
     : impl_{std::make_shared<Impl>(loop, std::move(disk), next, std::move(handlers), options)} {
   impl_->thread = std::thread{[impl = impl_.get()] { impl->work(); }};
@@ -135,21 +167,49 @@ GroupCommit::~GroupCommit() {
   impl_->thread.join();
 }
 
-void GroupCommit::append(const wire::Input& input) {
+void GroupCommit::append(const Batch& records) {
   bool first = false;
   {
     const std::lock_guard lock{impl_->mutex};
+    if (impl_->gapped) return;
     first = impl_->waiting.empty();
-    impl_->waiting.add(input);
+    impl_->waiting.records.add(records);
+    impl_->limit_waiting();
   }
   if (first) impl_->changed.notify_all();
+}
+
+void GroupCommit::append_now(const Batch& records, std::function<void()> durable) {
+  COSIVA_EXPECT(durable != nullptr);
+  {
+    const std::lock_guard lock{impl_->mutex};
+    // Within a gap the next checkpoint covers what these records would have.
+    if (!impl_->gapped) impl_->waiting.records.add(records);
+    impl_->waiting.notices.push_back(std::move(durable));
+    impl_->hurried = true;
+  }
+  impl_->changed.notify_all();
+}
+
+void GroupCommit::append_checkpoint(const Batch& records) {
+  {
+    const std::lock_guard lock{impl_->mutex};
+    impl_->gapped = false;
+    impl_->waiting.records.add(records);
+  }
+  impl_->changed.notify_all();
 }
 
 void GroupCommit::propose(wire::Input input, Decided decided) {
   COSIVA_EXPECT(decided != nullptr);
   {
     const std::lock_guard lock{impl_->mutex};
-    impl_->proposals.push_back({std::move(input), std::move(decided)});
+    if (impl_->gapped) {
+      const Error stalled{"disk.io", "the disk has not written for too long", {}};
+      return impl_->decide({{std::move(input), std::move(decided)}},
+                           tl::unexpected<Error>(impl_->refusal.value_or(stalled)));
+    }
+    impl_->waiting.proposals.push_back({std::move(input), std::move(decided)});
   }
   impl_->changed.notify_all();
 }
@@ -159,7 +219,7 @@ void GroupCommit::drain() {
   impl_->hurried = true;
   impl_->changed.notify_all();
   impl_->changed.wait(lock, [this] {
-    return impl_->refusal || (impl_->waiting.empty() && impl_->proposals.empty() && !impl_->writing);
+    return impl_->refusal || (impl_->waiting.empty() && !impl_->writing);
   });
 }
 

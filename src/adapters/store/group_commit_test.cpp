@@ -21,6 +21,12 @@ constexpr journal::SegmentStart first_start{0x5EED, 1, {}};
 
 const wire::Input command{SimTime{}, wire::InputKind::command, "page", R"({"command":"stop"})", false};
 
+journal::Batch one_record() {
+  journal::Batch batch;
+  batch.add(command);
+  return batch;
+}
+
 /// A disk that the test keeps while a GroupCommit owns this one.
 class SharedDisk final : public journal::Disk {
  public:
@@ -47,8 +53,8 @@ TEST(GroupCommit, makes_records_durable_within_its_period) {
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
   GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
-  commit.append(command);
-  commit.append(command);
+  commit.append(one_record());
+  commit.append(one_record());
   EXPECT_TRUE(loop.run_until([&] { return commit.durable() == 3; }, 5s));
   EXPECT_EQ(records_on(*disk), 2U);
 }
@@ -59,7 +65,7 @@ TEST(GroupCommit, lets_records_gather_until_a_proposal_arrives) {
   GroupCommitOptions options;
   options.period = 10min;
   GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
-  commit.append(command);
+  commit.append(one_record());
   loop.run_for(50ms);
   EXPECT_EQ(commit.durable(), 1U);
   bool accepted = false;
@@ -91,7 +97,7 @@ TEST(GroupCommit, refuses_a_proposal_with_the_reason_of_the_disk_and_forgets_it)
   GroupCommitOptions options;
   options.retry = 1ms;
   GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
-  commit.append(command);
+  commit.append(one_record());
   std::string code;
   commit.propose(command, [&](const Result<void>& result) { code = result ? "accepted" : result.error().code; });
   EXPECT_TRUE(loop.run_until([&] { return !code.empty(); }, 5s));
@@ -114,16 +120,77 @@ TEST(GroupCommit, reports_a_refusing_disk_once_and_loses_nothing_when_it_works_a
   GroupCommit commit{loop,
                      std::make_unique<SharedDisk>(disk),
                      first_start,
-                     {[&](const Error& error) { refusals.push_back(error.code); }, [&] { ++recoveries; }},
+                     {[&](const Error& error) { refusals.push_back(error.code); }, [&] { ++recoveries; }, {}},
                      options};
-  commit.append(command);
+  commit.append(one_record());
   commit.drain();
   EXPECT_EQ(commit.durable(), 1U);
-  commit.append(command);
+  commit.append(one_record());
   loop.run_for(50ms);
   EXPECT_THAT(refusals, ::testing::ElementsAre("disk.full"));
   full = false;
   EXPECT_TRUE(loop.run_until([&] { return recoveries == 1 && commit.durable() == 3; }, 5s));
+  EXPECT_EQ(records_on(*disk), 2U);
+}
+
+TEST(GroupCommit, writes_an_urgent_record_at_once_and_reports_when_it_is_durable) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  GroupCommitOptions options;
+  options.period = 10min;
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
+  bool durable = false;
+  commit.append_now(one_record(), [&] { durable = true; });
+  EXPECT_TRUE(loop.run_until([&] { return durable; }, 5s));
+  EXPECT_EQ(records_on(*disk), 1U);
+}
+
+TEST(GroupCommit, reports_an_urgent_record_as_durable_only_after_a_refusing_disk_works_again) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<bool> full{true};
+  disk->set_faults(
+      [&](Call call, const std::string&) { return std::string{full && call == Call::sync ? "disk.full" : ""}; });
+  GroupCommitOptions options;
+  options.retry = 1ms;
+  bool refused = false;
+  GroupCommit commit{
+      loop, std::make_unique<SharedDisk>(disk), first_start, {[&](const Error&) { refused = true; }, {}, {}}, options};
+  int durable = 0;
+  commit.append_now(one_record(), [&] { ++durable; });
+  EXPECT_TRUE(loop.run_until([&] { return refused; }, 5s));
+  EXPECT_EQ(durable, 0);
+  full = false;
+  EXPECT_TRUE(loop.run_until([&] { return durable > 0; }, 5s));
+  EXPECT_EQ(durable, 1);
+}
+
+TEST(GroupCommit, gives_up_more_records_than_it_may_hold_until_a_checkpoint) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<bool> full{true};
+  disk->set_faults(
+      [&](Call call, const std::string&) { return std::string{full && call == Call::create ? "disk.full" : ""}; });
+  std::uint32_t given_up = 0;
+  GroupCommitOptions options;
+  options.retry = 1ms;
+  options.waiting_bytes_max = 10 * one_record().records().size();
+  GroupCommit commit{loop,
+                     std::make_unique<SharedDisk>(disk),
+                     first_start,
+                     {{}, {}, [&](std::uint32_t count) { given_up += count; }},
+                     options};
+  for (int i = 0; i < 30; ++i) commit.append(one_record());
+  EXPECT_TRUE(loop.run_until([&] { return given_up > 0; }, 5s));
+  EXPECT_GE(given_up, 11U);
+  bool refused = false;
+  commit.propose(command, [&](const Result<void>& kept) { refused = !kept; });
+  EXPECT_TRUE(loop.run_until([&] { return refused; }, 5s));
+  full = false;
+  commit.append(one_record());
+  commit.append_checkpoint(one_record());
+  commit.append(one_record());
+  EXPECT_TRUE(loop.run_until([&] { return commit.durable() == 3; }, 5s));
   EXPECT_EQ(records_on(*disk), 2U);
 }
 
@@ -132,7 +199,7 @@ TEST(GroupCommit, makes_everything_durable_before_it_ends) {
   const auto disk = std::make_shared<SimulatedDisk>(1);
   {
     GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
-    for (int i = 0; i < 100; ++i) commit.append(command);
+    for (int i = 0; i < 100; ++i) commit.append(one_record());
   }
   EXPECT_EQ(records_on(*disk), 100U);
 }
@@ -143,7 +210,7 @@ TEST(GroupCommit, ends_while_the_disk_refuses) {
   disk->set_faults([](Call call, const std::string&) { return std::string{call == Call::create ? "disk.io" : ""}; });
   {
     GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}};
-    commit.append(command);
+    commit.append(one_record());
   }
   EXPECT_EQ(records_on(*disk), 0U);
 }

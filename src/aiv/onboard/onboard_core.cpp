@@ -345,6 +345,8 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
       if (parts.options.zone) parts.on_zone(now_, *parts.options.zone, parts.options.rtm, effects);
       break;
     case wire::InputKind::restore: parts.on_restore(input, effects); break;
+    case wire::InputKind::proposal:
+    case wire::InputKind::persisted: return;  // of a store, which gives them to no core
     case wire::InputKind::link: parts.on_link(input, effects); break;
     case wire::InputKind::port: parts.on_port(input); break;
     case wire::InputKind::bytes: parts.on_bytes(input, effects); break;

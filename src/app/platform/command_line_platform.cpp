@@ -56,6 +56,16 @@ void describe_up(Command command, UpArguments& up) {
   command.add_option("--record", up.record_file, "record all inputs of the server in a journal (see `replay`)")
       .value_name("FILE");
   command.add_option("--log-dir", up.log_directory, "folder of the logs; it is not deleted").value_name("DIR");
+  command
+      .add_option("--store", up.store,
+                  "continue with what this folder keeps: commands, stops, virtual objects, edits; without: a new one "
+                  "next to the logs")
+      .value_name("DIR");
+  command
+      .add_option("--keep", up.keep,
+                  "remove old parts of the store beyond this age or size, for example 30d/20GB or 12h; all: none; "
+                  "without: 30d/20GB")
+      .value_name("AGE/SIZE");
   command.add_option("--run-dir", up.run_directory, "folder of sockets and other temporary files; cleared at the end")
       .value_name("DIR");
   command.add_option("--respawn", up.respawn_s, "restart an AIV that died after this number of seconds; 0: never")
@@ -107,8 +117,16 @@ void describe_server(Command command, ServerArguments& server) {
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   command.add_flag("--headless", server.headless, "no page; /api/v1 remains available");
   command.add_option("--web", server.web_directory, "the page's built files, if not web/dist").value_name("DIR");
-  command.add_option("--state-file", server.state_file, "preserves additions, priorities and edits over a crash")
-      .value_name("FILE");
+  command
+      .add_option("--store", server.store,
+                  "folder of the inputs, commands and state that the server keeps and continues with; without: "
+                  "$XDG_STATE_HOME/cosiva/store")
+      .value_name("DIR");
+  command
+      .add_option("--keep", server.keep,
+                  "remove old parts of the store beyond this age or size, for example 30d/20GB or 12h; all: none; "
+                  "without: 30d/20GB")
+      .value_name("AGE/SIZE");
   command.add_option("--scenario", server.scenario, "events over time, once its AIVs are present")
       .value_name("NAME|FILE");
   command.add_option("--name", server.name, "of the run, shown on the page").value_name("TEXT");
@@ -121,7 +139,7 @@ void describe_server(Command command, ServerArguments& server) {
   command.add_option("--scenario-steps-done", server.steps_done).hidden();
   command.footer(
       "Example, a server for vehicles of your own on your own broker:\n"
-      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --state-file server.state\n"
+      "  cosiva server --zone my.toml --broker 10.0.0.5:1883 --store /var/lib/cosiva\n"
       "Two control areas on one broker:\n"
       "  cosiva server --area north --zone north.toml --port 8080\n"
       "  cosiva server --area south --zone south.toml --port 8081");

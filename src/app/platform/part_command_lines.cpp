@@ -78,7 +78,8 @@ Argv PartCommandLines::server(const ServerProgress& progress) const {
   append(line, {"--port", std::to_string(progress.http_port.value_or(arguments.port))});
   append(line, {"--summary", run_ / "server.json"});
   append(line, {"--announce", "--fleet", std::to_string(arguments.aivs), "--emulated"});
-  append(line, {"--state-file", run_ / "server.state_file", "--name", plan_.name});
+  append(line, {"--store", arguments.store, "--name", plan_.name});
+  if (!arguments.keep.empty()) append(line, {"--keep", arguments.keep});
   option(line, "--zone-file", plan_.zone_file);
   if (arguments.watch) append(line, {"--watch-file", plan_.rtm.configuration().origin});
   if (plan_.scenario) append(line, {"--scenario", plan_.scenario_file});

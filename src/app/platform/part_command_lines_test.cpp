@@ -24,6 +24,7 @@ class PartCommands : public ::testing::Test {
     arguments.name = "Thursday";
     arguments.aivs = 3;
     arguments.seed = 7;
+    arguments.store = folder + "/store";
     broker.address = "127.0.0.1:1883";
   }
 
@@ -71,8 +72,8 @@ TEST_F(PartCommands, start_a_vehicle_at_its_position) {
 TEST_F(PartCommands, start_the_server_with_the_options_of_the_run) {
   EXPECT_THAT(line(Part::server),
               ElementsAre("server", "--broker", "127.0.0.1:1883", "--port", "8080", "--summary",
-                          folder + "/server.json", "--announce", "--fleet", "3", "--emulated", "--state-file",
-                          folder + "/server.state_file", "--name", "Thursday", "--zone-file", arguments.zone));
+                          folder + "/server.json", "--announce", "--fleet", "3", "--emulated", "--store",
+                          folder + "/store", "--name", "Thursday", "--zone-file", arguments.zone));
   arguments.watch = true;
   arguments.convoys = false;
   arguments.v2x = false;

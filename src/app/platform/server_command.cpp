@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "cosiva/adapters/store/live_store.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/platform/gvs_view.h"
 #include "cosiva/app/platform/live_scenario.h"
@@ -29,8 +30,11 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   PageHost host;
   host.core = &core;
   host.command = [&shell](const std::string& source, std::string json,
-                          std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
-    shell.command(source, std::move(json), std::move(decoded));
+                          std::shared_ptr<const virtual_side::DecodedCommand> decoded, PageHost::Decided decided) {
+    if (!virtual_side::is_stop(*decoded))
+      return shell.command(source, std::move(json), std::move(decoded), std::move(decided));
+    shell.urgent_command(source, std::move(json), std::move(decoded), [] {});
+    decided({});
   };
   host.now = [] { return adapters::WallClock{}.now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();
@@ -40,6 +44,11 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   host.zone_file = arguments.zone_file;
   if (host.zone_file.empty() && is_like_a_file(arguments.zone)) host.zone_file = arguments.zone;
   return host;
+}
+
+std::string store_folder(const ServerArguments& arguments) {
+  if (!arguments.store.empty()) return arguments.store;
+  return default_store_directory() + (arguments.area.empty() ? "" : "-" + arguments.area);
 }
 
 /// The zone file to watch: the file that `up` names, or our own zone's.
@@ -155,9 +164,18 @@ int run_server(const ServerArguments& arguments) {
   const std::string client = arguments.area.empty() ? "server" : "server-" + arguments.area;
   auto live = live_options(arguments.part, "server", client, virtual_side::to_json(options));
   if (!live) return report_error(live.error());
-  live->state_file = arguments.state_file;
 
   EventLoop loop;
+  const auto keep = parse_keep(arguments.keep);
+  if (!keep) return report_error(keep.error());
+  adapters::LiveStoreOptions store_options;
+  store_options.keep = *keep;
+  store_options.on_log = [](char level, const std::string& text) {
+    print_info((level == 'i' ? "" : "cosiva: ") + text);
+  };
+  auto store = adapters::LiveStore::open(loop, store_folder(arguments), std::move(store_options));
+  if (!store) return report_error(store.error());
+  live->store = std::move(*store);
   virtual_side::ServerCore core{options};
   auto client_options =
       mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cosiva/app/cli/common_arguments.h"
+#include "cosiva/app/platform/keep_option.h"
 
 namespace cosiva::app {
 
@@ -21,10 +22,12 @@ struct ServerArguments {
   bool convoys{true};
   bool headless{false};
   std::string web_directory;
-  std::string state_file;
-  std::string scenario;        ///< name of a ready scenario, or a file
-  std::string name;            ///< of the run, for the page
-  std::string rules{"fuzzy"};  ///< of its virtual AIVs: crisp, fuzzy or a file
+  /// The folder of its store; empty: `$XDG_STATE_HOME/cosiva/store`, with the name of the area where there is one.
+  std::string store;
+  std::string keep{keep_default};  ///< how much of the store is retained (parse_keep)
+  std::string scenario;            ///< name of a ready scenario, or a file
+  std::string name;                ///< of the run, for the page
+  std::string rules{"fuzzy"};      ///< of its virtual AIVs: crisp, fuzzy or a file
   // For `up`:
   std::uint32_t fleet{0};       ///< announce when this number of vehicles is matched
   std::string zone_file;        ///< where edits of the zone may be saved

@@ -32,6 +32,8 @@ struct UpArguments {
   BrokerArguments broker;
   std::string record_file;
   std::string log_directory;
+  std::string store;  ///< its folder, which the run continues; empty: a new one in the folder of the logs
+  std::string keep;   ///< how much of the store is retained (parse_keep); empty: the default
   double respawn_s{5.0};
   std::string run_directory;
   bool virtual_time{false};

@@ -11,6 +11,7 @@
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/gvs/gvs_source.h"
+#include "cosiva/app/platform/keep_option.h"
 #include "cosiva/app/platform/live_trace.h"
 #include "cosiva/app/platform/part.h"
 #include "cosiva/app/platform/part_command_lines.h"
@@ -299,6 +300,8 @@ int run_up(const UpArguments& arguments) {
     if (auto checked = check_gvs_source(arguments.gvs_source, "--gvs-"); !checked) return report_error(checked.error());
   }
   // All errors of the options are reported before any part is started.
+  if (const auto keep = parse_keep(arguments.keep.empty() ? keep_default : arguments.keep); !keep)
+    return report_error(keep.error());
   auto plan = plan_run(arguments);
   if (!plan) return report_error(plan.error());
   if (auto broker = mqtt_options(arguments.broker, "cosiva"); !broker) return report_error(broker.error());
@@ -308,6 +311,7 @@ int run_up(const UpArguments& arguments) {
   if (error) return report_error({"up.logs", "cannot create this folder: " + error.message(), logs});
   auto run = RunDirectory::create(arguments.run_directory.empty() ? default_run_directory() : arguments.run_directory);
   if (!run) return report_error(run.error());
+  if (arguments.store.empty()) plan->arguments.store = logs + "/store-" + time_and_process();
   plan->arguments.log_directory = logs;
   return Up{std::move(*plan), std::move(*run)}.run();
 }

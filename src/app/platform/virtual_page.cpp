@@ -68,8 +68,9 @@ PageHost VirtualPage::host() {
   PageHost host;
   host.core = &run_.world().server();
   host.command = [this](const std::string&, std::string json,
-                        std::shared_ptr<const virtual_side::DecodedCommand> decoded) {
+                        std::shared_ptr<const virtual_side::DecodedCommand> decoded, const PageHost::Decided& decided) {
     command(std::move(json), std::move(decoded));
+    decided({});
   };
   host.now = [this] { return run_.world().now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();

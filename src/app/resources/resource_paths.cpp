@@ -170,16 +170,29 @@ std::string default_run_name(const std::string& what) {
   return what + text;
 }
 
-std::string default_log_directory() {
+namespace {
+
+/// `$XDG_STATE_HOME/cosiva/`.
+std::string state_directory() {
   std::string base = environment("XDG_STATE_HOME");
   if (base.empty()) {
     const std::string home = environment("HOME");
     base = home.empty() ? fs::temp_directory_path().string() : home + "/.local/state";
   }
+  return base + "/cosiva/";
+}
+
+}  // namespace
+
+std::string time_and_process() {
   std::string stamp = to_iso8601(adapters::WallClock{}.now()).substr(0, 19);
   std::ranges::replace(stamp, ':', '-');
-  return base + "/cosiva/logs/" + stamp + "-" + std::to_string(::getpid());
+  return stamp + "-" + std::to_string(::getpid());
 }
+
+std::string default_log_directory() { return state_directory() + "logs/" + time_and_process(); }
+
+std::string default_store_directory() { return state_directory() + "store"; }
 
 std::string default_run_directory() {
   // The temporary folder's name may be long, but a socket's path may not (107 bytes); the runtime folder's name is

@@ -54,6 +54,10 @@ struct LoadedScenario {
 
 /// `$XDG_STATE_HOME/cosiva/logs/<time>-<process>`, the default folder of logs.
 [[nodiscard]] std::string default_log_directory();
+/// `$XDG_STATE_HOME/cosiva/store`, the default folder of a server's store.
+[[nodiscard]] std::string default_store_directory();
+/// "2023-07-11T10-00-00-4711": the time and the number of this process, which no other run of this machine has.
+[[nodiscard]] std::string time_and_process();
 /// `$XDG_RUNTIME_DIR/cosiva-<process>`, else in the temporary folder.
 [[nodiscard]] std::string default_run_directory();
 

@@ -4,67 +4,37 @@
 #include <utility>
 
 namespace cosiva::journal {
-namespace {
 
-struct SegmentFile {
-  std::string name;
-  RecordNumber first;
-};
-
-Result<std::vector<SegmentFile>> segments_of(const Disk& disk) {
-  const auto names = disk.names();
-  if (!names) return tl::unexpected<Error>(names.error());
-  std::vector<SegmentFile> files;
-  for (const std::string& name : *names) {
-    if (const auto first = segment_number(name)) files.push_back({name, *first});
-  }
-  return files;
-}
-
-std::string at_file(const Error& error, const std::string& name) {
-  return name + (error.location.empty() ? "" : ": " + error.location);
-}
-
-/// Whether the segment begins where the store continues; nothing is known before the first segment.
-Result<void> check_start(const SegmentStart& start, const SegmentFile& file, const std::optional<SegmentStart>& next) {
-  if (start.first != file.first)
-    return fail("store.mixed", "the segment begins with record " + std::to_string(start.first) + ", unlike its name");
-  if (!next) return {};
-  if (start.store != next->store) return fail("store.mixed", "the segment belongs to another store");
-  if (start.first != next->first)
-    return fail("store.gap", "the segment begins with record " + std::to_string(start.first) + ", but record " +
-                                 std::to_string(next->first) + " would follow: records are missing");
-  if (start.chain != next->chain)
-    return fail("store.chain", "the segment does not continue the hash of the one before");
-  return {};
-}
-
-}  // namespace
-
-Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record) {
-  const auto files = segments_of(disk);
+Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record, RecordNumber from) {
+  const auto files = segment_files(disk);
   if (!files) return tl::unexpected<Error>(files.error());
   StoreContent content;
   for (std::size_t i = 0; i < files->size() && !content.damage; ++i) {
-    const SegmentFile& file = (*files)[i];
-    const bool last = i + 1 == files->size();
-    const auto bytes = disk.read(file.name);
-    if (!bytes) return tl::unexpected<Error>(bytes.error());
-    const auto start = segment_start(*bytes);
-    const auto fits = start ? check_start(*start, file, content.next) : Result<void>{};
-    const bool counts = start && fits;
-    const SegmentContent segment =
-        read_segment(*bytes, last ? no_record : (*files)[i + 1].first, counts ? on_record : OnRecord{});
-    content.damage = fits ? segment.damage : fits.error();
-    if (!content.damage && segment.torn && !last)
-      content.damage = Error{"store.damaged", "the segment is cut short, although another one follows", {}};
-    if (content.damage) content.damage->location = at_file(*content.damage, file.name);
-    if (counts) content.next = SegmentStart{segment.start.store, segment.next, segment.chain};
-    content.torn = segment.torn;
-    content.segments.push_back(
-        {file.name, file.first, counts ? segment.next : file.first, bytes->size(), counts ? segment.intact_bytes : 0});
+    if ((*files)[i].first < from) continue;
+    std::optional<RecordNumber> following;
+    if (i + 1 < files->size()) following = (*files)[i + 1].first;
+    auto reading = read_segment_file(disk, (*files)[i], following, content.next, on_record);
+    if (!reading) return tl::unexpected<Error>(reading.error());
+    if (content.segments.empty()) content.begin = reading->begin;
+    if (reading->next) content.next = reading->next;
+    content.torn = reading->torn;
+    content.damage = std::move(reading->damage);
+    content.segments.push_back(std::move(reading->summary));
   }
   return content;
+}
+
+Result<RecordNumber> last_checkpoint(const Disk& disk) {
+  const auto files = segment_files(disk);
+  if (!files) return tl::unexpected<Error>(files.error());
+  for (std::size_t i = files->size(); i > 0; --i) {
+    std::optional<RecordNumber> following;
+    if (i < files->size()) following = (*files)[i].first;
+    const auto reading = read_segment_file(disk, (*files)[i - 1], following, {}, {});
+    if (!reading) return tl::unexpected<Error>(reading.error());
+    if (reading->summary.checkpoint) return reading->summary.first;
+  }
+  return 0;
 }
 
 namespace {
@@ -81,8 +51,8 @@ Result<void> keep_intact(Disk& disk, const SegmentSummary& segment) {
 
 }  // namespace
 
-Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record) {
-  auto content = read_store(disk, on_record);
+Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record, RecordNumber from) {
+  auto content = read_store(disk, on_record, from);
   if (!content) return content;
   if (content->damage) return tl::unexpected<Error>(*content->damage);
   if (content->segments.empty()) return content;
@@ -93,7 +63,7 @@ Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record) {
 Result<StoreContent> repair_store(Disk& disk) {
   auto content = read_store(disk);
   if (!content || !content->damage) return content;
-  const auto files = segments_of(disk);
+  const auto files = segment_files(disk);
   if (!files) return tl::unexpected<Error>(files.error());
   const SegmentSummary& damaged = content->segments.back();
   for (const SegmentFile& file : *files) {
@@ -109,7 +79,7 @@ Result<StoreContent> repair_store(Disk& disk) {
 }
 
 Result<std::size_t> compact_store(Disk& disk, RecordNumber from) {
-  const auto files = segments_of(disk);
+  const auto files = segment_files(disk);
   if (!files) return tl::unexpected<Error>(files.error());
   std::size_t removed = 0;
   for (std::size_t i = 0; i + 1 < files->size() && (*files)[i + 1].first <= from; ++i) {

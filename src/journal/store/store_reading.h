@@ -1,27 +1,20 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "cosiva/base/result.h"
 #include "cosiva/journal/store/disk.h"
 #include "cosiva/journal/store/segment.h"
+#include "cosiva/journal/store/segment_file.h"
 
 namespace cosiva::journal {
 
-/// One segment of a store, as far as it counts.
-struct SegmentSummary {
-  std::string name;
-  RecordNumber first;
-  RecordNumber next;         ///< the first record of the following segment, or of the next one to be written
-  std::size_t bytes;         ///< of the file
-  std::size_t intact_bytes;  ///< those that count; the others were written again in the next segment, or are torn
-};
-
-/// What a store holds, up to the first damage.
+/// What is read of a store, up to the first damage.
 struct StoreContent {
   std::vector<SegmentSummary> segments;
+  /// Where the first segment that was read begins.
+  std::optional<SegmentStart> begin;
   /// Where the store continues; nothing for a folder without segments, and where the only one is torn at once.
   std::optional<SegmentStart> next;
   /// The last segment ends with bytes that a power failure left of a write.
@@ -31,11 +24,15 @@ struct StoreContent {
   std::optional<Error> damage;
 };
 
-/// Reads all segments and checks that each continues the one before. Fails as the disk does. `on_record` may be empty.
-[[nodiscard]] Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record = {});
-/// Reads a store and makes all that was read durable; a torn tail is cut off, because nothing of it was confirmed.
-/// Fails also with the damage.
-[[nodiscard]] Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record = {});
+/// Reads the segments from the one that begins with record `from` on, and checks that each continues the one before.
+/// Fails as the disk does. `on_record` may be empty.
+[[nodiscard]] Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record = {}, RecordNumber from = 0);
+/// Reads a store likewise and makes all that was read durable; a torn tail is cut off, because nothing of it was
+/// confirmed. Fails also with the damage.
+[[nodiscard]] Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record = {}, RecordNumber from = 0);
+/// The first record of the last segment in which a restart can begin; 0: it needs the whole store.
+[[nodiscard]] Result<RecordNumber> last_checkpoint(const Disk& disk);
+
 /// Makes a damaged store usable: keeps all records before the damage, and renames what follows to "….damaged". Returns
 /// what was read, with the damage.
 [[nodiscard]] Result<StoreContent> repair_store(Disk& disk);

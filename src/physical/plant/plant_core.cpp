@@ -141,7 +141,9 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::message: return in.on_message(input, effects);
     case wire::InputKind::command: return in.on_command(input.payload, command_bytes_max, effects);
     case wire::InputKind::configure:  // its options came through make()
-    case wire::InputKind::restore: return;
+    case wire::InputKind::restore:
+    case wire::InputKind::proposal:
+    case wire::InputKind::persisted: return;
   }
 }
 

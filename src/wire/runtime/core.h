@@ -42,6 +42,8 @@ enum class InputKind : std::uint8_t {
   command = 6,    ///< from a person or program on this machine: source = the sender, payload = JSON
   tick = 7,       ///< the core's own timer, every tick_period()
   restore = 8,    ///< what Persist stored before the last stop; payload = bytes, only right after configure
+  proposal = 9,   ///< a command in a store that the core is given once this record is durable, as `command` with flag
+  persisted = 10,  ///< in a store: the state that the core has persisted, with which `restore` continues
 };
 
 struct Input {

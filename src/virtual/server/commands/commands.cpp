@@ -44,8 +44,6 @@ std::string_view to_string(CommandState state) {
 
 std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
   const AivProxy& proxy = registry_[vehicle];
-  if (!proxy.online())
-    return proxy.name() + " is not connected; switch it on or bring it back into radio range, then try again";
   if (sets_speed(verb) && proxy.supports("setSpeedLimit") == std::optional{false})
     return proxy.name() + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
   return std::nullopt;
@@ -59,7 +57,11 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
         "command");
   }
   if (requested.all()) {
-    if (addressed(requested).empty()) return fail("command.vehicle", "no vehicle is known yet", "vehicle");
+    // A Stop and its end also hold for vehicles that are not known yet.
+    const bool holds_later =
+        requested.verb == OperatorCommandKind::stop || requested.verb == OperatorCommandKind::restart;
+    if (!holds_later && addressed(requested).empty())
+      return fail("command.vehicle", "no vehicle is known yet", "vehicle");
     return {};
   }
   for (const std::string& name : requested.vehicle_names) {
@@ -113,7 +115,9 @@ void Commands::issue(const Result<VehicleCommand>& requested) {
     keep(std::move(command));
     return;
   }
+  if (requested->all()) intentions_.take_for_all(*requested->verb, requested->speed_mps);
   for (const VehicleIndex v : addressed(*requested)) {
+    if (!requested->all()) intentions_.take(registry_[v].name(), *requested->verb, requested->speed_mps);
     Command one = command;
     if (requested->several) one.id += "." + registry_[v].id().serial_number;
     one.vehicle = v;
@@ -164,8 +168,27 @@ void Commands::begin(Command command) {
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
   }
-  command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions), timeout, true);
+  const bool until_confirmed = verb == OperatorCommandKind::stop;
+  command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions),
+                                       until_confirmed ? InstantActionSender::without_end : timeout, true);
+  if (!proxy.online()) command.reason = proxy.name() + " is not connected; the command holds when it is back";
   keep(std::move(command));
+}
+
+void Commands::issue_again(VehicleIndex vehicle, OperatorCommandKind kind, double speed_mps) {
+  Command command;
+  command.at = publisher_.now();
+  command.id = next_id("");
+  command.verb = kind;
+  command.command_text = to_string(kind);
+  command.speed_mps = speed_mps;
+  command.vehicle = vehicle;
+  command.vehicle_name = registry_[vehicle].name();
+  begin(std::move(command));
+}
+
+bool Commands::any_open(VehicleIndex vehicle) const {
+  return std::ranges::any_of(list_, [vehicle](const Command& c) { return c.vehicle == vehicle && c.open(); });
 }
 
 void Commands::supersede(const Command& by) {
@@ -239,7 +262,7 @@ void Commands::on_state(VehicleIndex vehicle) {
 void Commands::tick() {
   const SimTime now = publisher_.now();
   for (Command& command : list_) {
-    if (!command.open() || now - command.at < timeout) continue;
+    if (!command.open() || command.verb == OperatorCommandKind::stop || now - command.at < timeout) continue;
     fail_command(command, command.accepted_at ? "accepted, but its effect was not observed within 5 s"
                                               : "the vehicle did not respond within 5 s");
   }
@@ -279,12 +302,16 @@ void Commands::fail_command(Command& command, std::string reason) {
 
 void Commands::keep(Command command) {
   list_.push_back(std::move(command));
-  // Open commands end within 5 s, so the oldest are closed unless the server is flooded; then they fail.
+  // Open commands other than a Stop end within 5 s, so the oldest are closed unless the server is flooded; then they
+  // fail. A Stop that is not confirmed stays.
   while (list_.size() > kept_max) {
-    if (list_.front().open()) fail_command(list_.front(), "too many commands at once");
-    list_.pop_front();
+    const auto oldest =
+        std::ranges::find_if(list_, [](const Command& c) { return !c.open() || c.verb != OperatorCommandKind::stop; });
+    if (oldest == list_.end()) break;
+    if (oldest->open()) fail_command(*oldest, "too many commands at once");
+    list_.erase(oldest);
   }
-  COSIVA_EXPECT(list_.size() <= kept_max);
+  COSIVA_EXPECT(list_.size() <= kept_max + registry_.size());
 }
 
 void Commands::fold(Digest& digest) const {

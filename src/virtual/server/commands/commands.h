@@ -8,6 +8,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/intentions.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
@@ -36,7 +37,8 @@ struct Command {
 };
 
 /// Tracks each command until its effect is observed on the vehicle: issued → accepted (the state lists its actions) →
-/// materialised (the vehicle shows the effect), or failed with the reason.
+/// materialised (the vehicle shows the effect), or failed with the reason. A Stop does not fail because time passes: it
+/// is repeated, and listed as not confirmed, until the vehicle confirms it or an operator lifts it.
 ///
 /// Invariant: a command changes its state only in this order and never after its end; a limited number of commands is
 /// listed.
@@ -46,17 +48,21 @@ class Commands {
   static constexpr std::size_t kept_max = 200;
 
   Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderManager& orders,
-           Simulator& simulator)
+           Simulator& simulator, Intentions& intentions)
       : registry_{registry},
         publisher_{publisher},
         action_sender_{action_sender},
         orders_{orders},
-        simulator_{simulator} {}
+        simulator_{simulator},
+        intentions_{intentions} {}
 
   /// Whether issue() would execute the command.
   [[nodiscard]] Result<void> check(const VehicleCommand& command) const;
   /// @param command  or why its text is no command, which is listed as failed
   void issue(const Result<VehicleCommand>& command);
+  /// Issues a command again whose intention a vehicle does not fulfil: it was not there, or has been restarted.
+  void issue_again(VehicleIndex vehicle, OperatorCommandKind kind, double speed_mps);
+  [[nodiscard]] bool any_open(VehicleIndex vehicle) const;
   void on_state(VehicleIndex vehicle);
   void tick();
   /// The vehicle has been removed: its open commands fail.
@@ -87,6 +93,7 @@ class Commands {
   InstantActionSender& action_sender_;
   OrderManager& orders_;
   Simulator& simulator_;
+  Intentions& intentions_;
   std::deque<Command> list_;
   std::uint64_t running_{0};
 };

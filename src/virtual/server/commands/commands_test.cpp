@@ -133,10 +133,24 @@ TEST_F(CommandFixture, all_addresses_every_vehicle_with_one_entry_each) {
   EXPECT_EQ(*fixture.bijection().find("commands")->number("materialised"), 2.0);
 }
 
-TEST_F(CommandFixture, an_unacknowledged_action_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
+TEST_F(CommandFixture, an_unacknowledged_stop_is_repeated_with_the_same_id_until_it_is_confirmed) {
   aiv.deaf_to = {"startPause"};
   const std::size_t before = aiv.actions.size();
   fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(60s);
+  EXPECT_EQ(state_of("c1"), "issued");
+  EXPECT_GE(aiv.actions.size() - before, 190U) << "every 300 ms";
+  for (std::size_t i = before; i < aiv.actions.size(); ++i)
+    EXPECT_EQ(aiv.actions[i].actions[0].action_id, aiv.actions[before].actions[0].action_id);
+  aiv.deaf_to.clear();
+  fixture.run_for(1s);
+  EXPECT_EQ(state_of("c1"), "materialised");
+}
+
+TEST_F(CommandFixture, an_unacknowledged_action_is_repeated_with_the_same_id_and_fails_after_five_seconds) {
+  aiv.deaf_to = {"cancelOrder"};
+  const std::size_t before = aiv.actions.size();
+  fixture.command("cancel", "CoSiVA/AIV1", "c1");
   fixture.run_for(4900ms);
   EXPECT_EQ(state_of("c1"), "issued");
   const std::size_t sent = aiv.actions.size() - before;
@@ -147,7 +161,10 @@ TEST_F(CommandFixture, an_unacknowledged_action_is_repeated_with_the_same_id_and
   EXPECT_EQ(state_of("c1"), "failed");
   EXPECT_THAT(reason_of("c1"), HasSubstr("within 5 s"));
   fixture.run_for(2s);
-  EXPECT_EQ(aiv.actions.size() - before, sent) << "no repetition after the failure";
+  const std::string& id = aiv.actions[before].actions[0].action_id;
+  EXPECT_EQ(std::ranges::count_if(aiv.actions, [&](const auto& message) { return message.actions[0].action_id == id; }),
+            static_cast<std::ptrdiff_t>(sent))
+      << "no repetition after the failure";
 }
 
 TEST_F(CommandFixture, every_instant_actions_message_increments_the_header_id_even_when_repeated) {
@@ -194,8 +211,8 @@ TEST_F(CommandFixture, a_refusal_is_ignored_when_the_effect_is_observed) {
 }
 
 TEST_F(CommandFixture, accepted_without_effect_fails_with_that_reason) {
-  aiv.fakes = {"startPause"};
-  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  aiv.fakes = {"cancelOrder"};
+  fixture.command("cancel", "CoSiVA/AIV1", "c1");
   fixture.run_for(4s);
   EXPECT_EQ(state_of("c1"), "accepted");
   fixture.run_for(2s);
@@ -213,12 +230,12 @@ TEST_F(CommandFixture, a_speed_that_the_factsheet_does_not_list_is_refused_at_on
   EXPECT_EQ(error_of(R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"), "");
 }
 
-TEST_F(CommandFixture, a_command_to_an_absent_vehicle_is_refused_with_advice) {
+TEST_F(CommandFixture, a_command_to_an_absent_vehicle_is_accepted_and_waits_for_it) {
   fixture.kill(aiv);
-  EXPECT_THAT(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), HasSubstr("switch it on"));
+  EXPECT_EQ(error_of(R"({"command":"stop","vehicle":"CoSiVA/AIV1"})"), "");
   fixture.command("stop", "CoSiVA/AIV1", "c1");
-  EXPECT_EQ(state_of("c1"), "failed");
-  EXPECT_TRUE(fixture.logged("c1"));
+  EXPECT_EQ(state_of("c1"), "issued");
+  EXPECT_THAT(reason_of("c1"), HasSubstr("not connected"));
 }
 
 TEST_F(CommandFixture, invalid_input_is_refused_with_an_error_message) {
@@ -609,21 +626,28 @@ TEST_F(FollowedCommands, fail_where_any_of_their_actions_fails) {
 }
 
 TEST_F(FollowedCommands, fail_five_seconds_after_they_were_issued) {
-  const Command& stop = issue(Kind::stop);
+  const Command& cancel = issue(Kind::cancel);
   const Command& slow = issue(Kind::slow);
   report_actions(slow, ActionStatus::running);
   pass(4999ms);
   master.commands.tick();
-  EXPECT_EQ(stop.state, CommandState::issued);
+  EXPECT_EQ(cancel.state, CommandState::issued);
   EXPECT_EQ(slow.state, CommandState::accepted);
   pass(1ms);
   master.commands.tick();
-  EXPECT_EQ(stop.state, CommandState::failed);
-  EXPECT_EQ(stop.reason, "the vehicle did not respond within 5 s");
+  EXPECT_EQ(cancel.state, CommandState::failed);
+  EXPECT_EQ(cancel.reason, "the vehicle did not respond within 5 s");
   EXPECT_EQ(slow.state, CommandState::failed);
   EXPECT_EQ(slow.reason, "accepted, but its effect was not observed within 5 s");
   master.commands.tick();
   EXPECT_EQ(counted("failed"), 2.0) << "each once";
+}
+
+TEST_F(FollowedCommands, to_stop_have_no_time_limit) {
+  const Command& stop = issue(Kind::stop);
+  pass(1h);
+  master.commands.tick();
+  EXPECT_EQ(stop.state, CommandState::issued);
 }
 
 TEST_F(FollowedCommands, are_numbered_whether_they_have_ids_of_their_own_or_not) {
@@ -652,10 +676,14 @@ TEST_F(FollowedCommands, to_all_leave_out_vehicles_that_have_left) {
   issue(command_to({"*"}, Kind::stop));
   ASSERT_EQ(list().size(), 1U);
   EXPECT_EQ(list()[0].vehicle, a2);
+}
+
+TEST_F(FollowedCommands, to_all_hold_for_vehicles_that_are_not_known_yet) {
+  proxy(aiv1).on_retired(now);
   proxy(a2).on_retired(now);
-  const auto checked = master.commands.check(command_to({"*"}, Kind::stop));
-  ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error(), (Error{"command.vehicle", "no vehicle is known yet", "vehicle"}));
+  EXPECT_TRUE(master.commands.check(command_to({"*"}, Kind::stop)));
+  issue(command_to({"*"}, Kind::stop));
+  EXPECT_TRUE(list().empty());
 }
 
 TEST_F(FollowedCommands, to_unknown_or_retired_vehicles_are_refused) {
@@ -669,21 +697,17 @@ TEST_F(FollowedCommands, to_unknown_or_retired_vehicles_are_refused) {
   }
 }
 
-TEST_F(FollowedCommands, to_one_absent_vehicle_are_refused_but_of_several_the_others_execute_them) {
+TEST_F(FollowedCommands, to_absent_vehicles_wait_for_them_with_that_reason) {
   proxy(a2).connection.on_offline(now);
-  const auto checked = master.commands.check(command_to({"Acme/A2"}, Kind::stop));
-  ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error().code, "command.impossible");
-  EXPECT_EQ(checked.error().location, "vehicle");
-  EXPECT_TRUE(master.commands.check(command_to({"*"}, Kind::stop)));
+  EXPECT_TRUE(master.commands.check(command_to({"Acme/A2"}, Kind::stop)));
   issue(command_to({"*"}, Kind::stop));
   ASSERT_EQ(list().size(), 2U);
   EXPECT_EQ(list()[0].state, CommandState::issued);
-  EXPECT_EQ(list()[1].state, CommandState::failed);
-  EXPECT_EQ(list()[1].reason,
-            "Acme/A2 is not connected; switch it on or bring it back into radio range, then try again");
+  EXPECT_EQ(list()[0].reason, "");
+  EXPECT_EQ(list()[1].state, CommandState::issued);
+  EXPECT_EQ(list()[1].reason, "Acme/A2 is not connected; the command holds when it is back");
   EXPECT_EQ(counted("issued"), 2.0);
-  EXPECT_EQ(counted("failed"), 1.0);
+  EXPECT_EQ(counted("failed"), 0.0);
 }
 
 TEST_F(FollowedCommands, that_set_a_speed_are_impossible_where_the_factsheet_does_not_list_it) {

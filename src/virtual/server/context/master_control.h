@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cosiva/virtual/server/commands/commands.h"
+#include "cosiva/virtual/server/commands/intention_enforcer.h"
 #include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/orders/deadlocks.h"
 #include "cosiva/virtual/server/orders/mission_requests.h"
@@ -24,7 +25,9 @@ struct MasterControl {
   OrderManager orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
   MapDeployment maps{served.registry, served.publisher, actions};
-  Commands commands{served.registry, served.publisher, actions, orders, served.simulator};
+  Intentions intentions{};
+  Commands commands{served.registry, served.publisher, actions, orders, served.simulator, intentions};
+  IntentionEnforcer enforcer{served.registry, served.publisher, intentions, commands};
 };
 
 }  // namespace cosiva::virtual_side

@@ -39,6 +39,7 @@ void CommandRouter::run(const DecodedCommand& decoded) {
   const OperatorCommand& command = *decoded.command();
   if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) {
     master_.commands.issue(*to_vehicles);
+    context_.state_stale = true;  // the intentions are persisted
     world_.update();
     return;
   }
@@ -137,6 +138,10 @@ void CommandRouter::execute(MessageCommand& command) {
 
 void CommandRouter::execute(const MissionCommand& command) {
   master_.mission_requests.follow(command);
+  for (const std::string& name : command.vehicle_names) {
+    for (const AivProxy& proxy : context_.registry)
+      if (name == "*" || name == proxy.name()) master_.intentions.on_mission(proxy.name());
+  }
   context_.state_stale = true;
 }
 

@@ -101,14 +101,14 @@ TEST(CommandRouter, traces_each_command_from_its_sender) {
 TEST(CommandRouter, sends_a_command_again_that_the_vehicle_does_not_acknowledge_until_it_fails) {
   ServerFixture fixture;
   FixtureVehicle& aiv = fixture.add("AIV1", {0, 0.5});
-  aiv.deaf_to = {"startPause"};
+  aiv.deaf_to = {"cancelOrder"};
   fixture.run_for(3s);
   const auto received = [&] {
     return std::ranges::count_if(aiv.actions, [](const wire::InstantActions& message) {
-      return message.actions.front().action_type == "startPause";
+      return message.actions.front().action_type == "cancelOrder";
     });
   };
-  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.command("cancel", "CoSiVA/AIV1", "c1");
   EXPECT_EQ(received(), 1);
   fixture.run_for(280ms);
   EXPECT_EQ(received(), 1);

@@ -88,6 +88,7 @@ std::string PersistedState::to_json() const {
     if (proxy.settings.paused_for_body()) json.value(proxy.name());
   json.end_array();
   zones_.write_state(json);
+  if (!master_.intentions.empty()) master_.intentions.write(json.key("intentions"));
   if (master_.persisted_missions.worth_remembering()) master_.persisted_missions.write(json.key("traffic"));
   json.end_object();
   return json.take();
@@ -115,6 +116,9 @@ void PersistedState::restore(std::string_view bytes) {
     return;
   }
   restore_world(*state);
+  if (const JsonValue* intentions = state->find("intentions");
+      intentions != nullptr && !master_.intentions.restore(*intentions))
+    context_.publisher.log('w', "some persisted intentions of operators cannot be read; they are skipped");
   if (const JsonValue* traffic_state = state->find("traffic")) master_.persisted_missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {

@@ -74,6 +74,7 @@ void ServerCore::Impl::drive() {
   follow_up.request_missing();
   parts.master.traffic.set_time(context.now);
   zones.change().follow();
+  parts.master.enforcer.tick();
   parts.master.orders.tick(context.options.drive, zones.change().may_send_orders(), context.options.lost_after);
   parts.master.deadlocks.tick();
   ownership.claim_and_hand_over();
@@ -113,6 +114,8 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::configure:
     case wire::InputKind::bytes:
     case wire::InputKind::port: break;  // the options are given at construction, and the server has no streams
+    case wire::InputKind::proposal:
+    case wire::InputKind::persisted: break;  // of a store, which gives them to no core
   }
   impl.persisted.persist_if_stale();
   COSIVA_EXPECT(context.now == input.at && context.publisher.now() == input.at);

@@ -69,6 +69,8 @@ class InstantActionSender {
  public:
   using ActionHandle = std::uint64_t;
   static constexpr SimDuration resend_after{std::chrono::milliseconds{300}};
+  /// A timeout that never passes.
+  static constexpr SimDuration without_end{std::chrono::hours{24 * 365 * 10}};
 
   explicit InstantActionSender(MessagePublisher& publisher) : publisher_{publisher} {}
   InstantActionSender(const InstantActionSender&) = delete;  // other components hold references to it

@@ -21,11 +21,15 @@ class OperatorSettings {
   /// An operator has cancelled the order: the vehicle gets no orders until it is restarted or given a mission.
   void on_cancel() { no_orders_ = true; }
   void on_mission() { no_orders_ = false; }
+  /// Whether the vehicle must confirm first that it is stopped, before it gets orders.
+  void await_stop(bool awaited) { stop_awaited_ = awaited; }
   /// An operator has chosen a speed profile, which replaces a limit.
   void on_profile() { speed_mps_max_.reset(); }
   /// The vehicle has confirmed an individual limit of an operator.
   /// @param speed_mps  positive and finite (checked)
   void on_limit(double speed_mps);
+  /// The vehicle may have been restarted: no limit is confirmed any more.
+  void on_session() { speed_mps_max_.reset(); }
   /// The server pauses the vehicle for a virtual body that the vehicle cannot perceive; no other body paused it
   /// (checked).
   void on_body_in_path();
@@ -35,13 +39,14 @@ class OperatorSettings {
 
   [[nodiscard]] std::int32_t priority() const { return priority_; }  ///< higher goes first at a crossing
   [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
-  [[nodiscard]] bool no_orders() const { return no_orders_; }
+  [[nodiscard]] bool no_orders() const { return no_orders_ || stop_awaited_; }
   [[nodiscard]] bool paused_for_body() const { return paused_for_body_; }
 
  private:
   std::int32_t priority_{0};
   std::optional<double> speed_mps_max_;
   bool no_orders_{false};
+  bool stop_awaited_{false};
   bool paused_for_body_{false};
 };
 

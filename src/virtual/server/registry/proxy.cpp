@@ -10,6 +10,7 @@ void AivProxy::on_session() {
   position.on_session();
   factsheet.on_session();
   on_board.on_session();
+  settings.on_session();
 }
 
 void AivProxy::on_retired(SimTime now) {

@@ -219,4 +219,10 @@ Decoded decode(std::string_view text) {
 
 DecodedCommand::DecodedCommand(std::string_view json) : command_{decode(json)} {}
 
+bool is_stop(const DecodedCommand& decoded) {
+  if (!decoded.command()) return false;
+  const auto* command = std::get_if<VehicleCommand>(&*decoded.command());
+  return command != nullptr && command->verb == OperatorCommandKind::stop;
+}
+
 }  // namespace cosiva::virtual_side

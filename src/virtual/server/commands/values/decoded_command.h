@@ -42,4 +42,7 @@ class DecodedCommand final : public wire::InProcessMessage {
   tl::expected<OperatorCommand, Fault> command_;
 };
 
+/// Whether this stops vehicles: a command that waits for nothing.
+[[nodiscard]] bool is_stop(const DecodedCommand& decoded);
+
 }  // namespace cosiva::virtual_side

@@ -1,0 +1,165 @@
+#include "cosiva/adapters/store/live_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "cosiva/adapters/store/posix_disk.h"
+#include "cosiva/adapters/test_fixture.h"
+#include "cosiva/journal/store/store_reading.h"
+
+namespace cosiva::adapters {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::InputKind;
+
+wire::Input tick() { return {SimTime{}, InputKind::tick, {}, {}, false}; }
+wire::Input persisted(std::string state) { return {SimTime{}, InputKind::persisted, {}, std::move(state), false}; }
+wire::Input proposal(std::string command) {
+  return {SimTime{}, InputKind::proposal, "http", std::move(command), false};
+}
+wire::Input given(std::string command) { return {SimTime{}, InputKind::command, "http", std::move(command), true}; }
+
+class Stored : public ::testing::Test {
+ protected:
+  std::unique_ptr<LiveStore> open(LiveStoreOptions options = {}) {
+    options.on_log = [this](char level, const std::string& text) { log.push_back(level + (" " + text)); };
+    auto store = LiveStore::open(loop, folder, std::move(options));
+    EXPECT_TRUE(store);
+    return std::move(*store);
+  }
+  /// Has a command accepted, and gives it where `give` is true.
+  void accept(LiveStore& store, const std::string& command, bool give) {
+    bool decided = false;
+    store.propose(proposal(command), [&](const Result<void>& kept) {
+      EXPECT_TRUE(kept);
+      decided = true;
+      if (!give) return;
+      store.append(given(command));
+      store.complete();
+    });
+    EXPECT_TRUE(loop.run_until([&] { return decided; }, 5s));
+  }
+  static void handle(LiveStore& store, const std::vector<wire::Input>& inputs) {
+    for (const wire::Input& input : inputs) store.append(input);
+    store.complete();
+  }
+  std::vector<std::string> kinds() const {
+    std::vector<std::string> kinds;
+    const auto disk = PosixDisk::open(folder, PosixDisk::Use::read);
+    EXPECT_TRUE(journal::read_store(**disk, [&](journal::RecordNumber, const journal::RecordView& record) {
+      kinds.push_back(std::to_string(record.kind) + (record.flag ? "!" : ""));
+    }));
+    return kinds;
+  }
+
+  testing::Scratch scratch;
+  std::string folder = scratch / "store";
+  EventLoop loop;
+  std::vector<std::string> log;
+};
+
+TEST_F(Stored, state_and_accepted_commands_are_left_to_the_next_process) {
+  {
+    const auto store = open();
+    EXPECT_EQ(store->left().persisted, std::nullopt);
+    handle(*store, {tick(), persisted("s1")});
+    accept(*store, "a", true);
+    accept(*store, "b", false);
+  }
+  const auto left = open()->left();
+  EXPECT_EQ(left.persisted, "s1");
+  ASSERT_EQ(left.accepted.size(), 1U);
+  EXPECT_EQ(left.accepted[0].payload, "b");
+}
+
+TEST_F(Stored, state_is_written_again_after_the_period_and_a_restart_begins_there) {
+  LiveStoreOptions options;
+  options.checkpoint_period = 3;
+  {
+    const auto store = open(options);
+    handle(*store, {tick(), persisted("s1")});
+    for (int i = 0; i < 3; ++i) handle(*store, {tick()});
+  }
+  EXPECT_THAT(kinds(), ::testing::ElementsAre("7", "10", "7", "10!", "7", "7"));
+  EXPECT_EQ(open(options)->left().persisted, "s1");
+}
+
+TEST_F(Stored, period_of_the_state_goes_on_over_a_restart) {
+  LiveStoreOptions options;
+  options.checkpoint_period = 3;
+  for (int run = 0; run < 4; ++run) handle(*open(options), {tick()});
+  EXPECT_THAT(kinds(), ::testing::ElementsAre("7", "7", "7", "10!", "7"));
+}
+
+TEST_F(Stored, commands_wait_for_a_checkpoint_that_is_due) {
+  LiveStoreOptions options;
+  options.checkpoint_period = 2;
+  {
+    const auto store = open(options);
+    handle(*store, {tick()});
+    handle(*store, {tick()});
+    bool decided = false;
+    store->propose(proposal("a"), [&](const Result<void>&) { decided = true; });
+    loop.run_for(50ms);
+    EXPECT_FALSE(decided);
+    handle(*store, {tick()});
+    EXPECT_TRUE(loop.run_until([&] { return decided; }, 5s));
+  }
+  EXPECT_EQ(open(options)->left().accepted.size(), 1U);
+}
+
+TEST_F(Stored, no_checkpoint_is_written_between_a_command_and_its_effect) {
+  LiveStoreOptions options;
+  options.checkpoint_period = 2;
+  {
+    const auto store = open(options);
+    bool given_now = false;
+    store->propose(proposal("a"), [&](const Result<void>&) {
+      handle(*store, {given("a"), persisted("made by a")});
+      given_now = true;
+    });
+    handle(*store, {tick()});
+    handle(*store, {tick()});
+    handle(*store, {tick()});
+    EXPECT_TRUE(loop.run_until([&] { return given_now; }, 5s));
+    handle(*store, {tick()});
+  }
+  EXPECT_THAT(kinds(), ::testing::ElementsAre("7", "7", "7", "9", "6!", "10", "10!", "7"));
+}
+
+TEST_F(Stored, torn_tail_is_cut_off_and_reported) {
+  handle(*open(), {tick(), persisted("s1")});
+  for (const auto& entry : std::filesystem::directory_iterator{folder}) {
+    if (entry.path().extension() == ".segment") std::filesystem::resize_file(entry, entry.file_size() - 1);
+  }
+  EXPECT_EQ(open()->left().persisted, std::nullopt);
+  ASSERT_FALSE(log.empty());
+  EXPECT_THAT(log.back(), ::testing::AllOf(::testing::StartsWith("w "), ::testing::HasSubstr("cut off")));
+}
+
+TEST_F(Stored, damage_is_refused_with_folder_and_file) {
+  handle(*open(), {tick(), persisted("s1")});
+  for (const auto& entry : std::filesystem::directory_iterator{folder}) {
+    if (entry.path().extension() != ".segment") continue;
+    std::FILE* file = std::fopen(entry.path().c_str(), "r+b");
+    std::fseek(file, 110, SEEK_SET);
+    std::fputc('?', file);
+    std::fclose(file);
+  }
+  const auto store = LiveStore::open(loop, folder, {});
+  ASSERT_FALSE(store);
+  EXPECT_THAT(store.error().location, ::testing::StartsWith(folder));
+}
+
+TEST_F(Stored, second_process_is_refused) {
+  const auto first = open();
+  const auto second = LiveStore::open(loop, folder, {});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, "store.taken");
+}
+
+}  // namespace
+}  // namespace cosiva::adapters
