@@ -218,9 +218,7 @@ void GroupCommit::drain() {
   std::unique_lock lock{impl_->mutex};
   impl_->hurried = true;
   impl_->changed.notify_all();
-  impl_->changed.wait(lock, [this] {
-    return impl_->refusal || (impl_->waiting.empty() && !impl_->writing);
-  });
+  impl_->changed.wait(lock, [this] { return impl_->refusal || (impl_->waiting.empty() && !impl_->writing); });
 }
 
 journal::RecordNumber GroupCommit::durable() const {
