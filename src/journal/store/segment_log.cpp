@@ -18,6 +18,8 @@ Result<void> SegmentLog::write(const Batch& batch) {
   bytes += sealed(batch, next);
   if (auto written = write(bytes); !written) {
     file_.reset();
+    // The next attempt may need the space of what does not count. Where this fails, too, readers skip those bytes.
+    if (file_bytes_ > 0) static_cast<void>(disk_.cut(name_, file_bytes_));
     return written;
   }
   file_bytes_ += bytes.size();
@@ -33,14 +35,14 @@ Result<void> SegmentLog::write(const std::string& bytes) {
 Result<void> SegmentLog::begin_segment() {
   file_.reset();
   file_bytes_ = 0;
-  const std::string name = segment_name(next_.first);
+  name_ = segment_name(next_.first);
   const auto names = disk_.names();
   if (!names) return tl::unexpected<Error>(names.error());
   // A segment of this name is one whose first write failed: none of its records counts.
-  if (std::binary_search(names->begin(), names->end(), name)) {
-    if (auto removed = disk_.remove(name); !removed) return removed;
+  if (std::binary_search(names->begin(), names->end(), name_)) {
+    if (auto removed = disk_.remove(name_); !removed) return removed;
   }
-  auto file = disk_.create(name);
+  auto file = disk_.create(name_);
   if (!file) return tl::unexpected<Error>(file.error());
   file_ = std::move(*file);
   return {};

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
 
 #include "cosiva/base/result.h"
 #include "cosiva/journal/store/batch.h"
@@ -22,7 +23,8 @@ class SegmentLog {
   SegmentLog(Disk& disk, const SegmentStart& next, std::size_t segment_bytes)
       : disk_{disk}, next_{next}, segment_bytes_{segment_bytes} {}
 
-  /// The batch is durable when this returns. Fails as the disk does; then none of the batch counts.
+  /// The batch is durable when this returns. Fails as the disk does; then none of the batch counts, and what was
+  /// written of it is cut off: otherwise a batch too large for the disk would leave no space for any other.
   [[nodiscard]] Result<void> write(const Batch& batch);
   /// The next batch begins a new segment.
   void end_segment() { file_.reset(); }
@@ -37,6 +39,7 @@ class SegmentLog {
   SegmentStart next_;
   std::size_t segment_bytes_;
   std::unique_ptr<DiskFile> file_;
+  std::string name_;  ///< of the segment begun last
   std::size_t file_bytes_{0};
 };
 

@@ -303,6 +303,22 @@ TEST(SegmentLog, writes_a_batch_again_in_a_new_segment_after_a_failed_sync) {
   EXPECT_EQ(back.inputs.size(), 4U);
 }
 
+TEST(SegmentLog, cuts_off_what_a_failed_write_left_so_that_other_batches_have_the_space) {
+  for (const Call failing : {Call::append, Call::sync}) {
+    SimulatedDisk disk{1};
+    SegmentLog log{disk, beginning, large_segment};
+    EXPECT_TRUE(log.write(batch_of(1, 2)));
+    const std::string intact = *disk.read(segment_name(1));
+    disk.set_faults(
+        [failing](Call call, const std::string&) { return std::string{call == failing ? "disk.full" : ""}; });
+    EXPECT_EQ(log.write(batch_of(3, 2, 60'000)).error().code, "disk.full");
+    EXPECT_EQ(*disk.read(segment_name(1)), intact);
+    disk.set_faults({});
+    EXPECT_TRUE(log.write(batch_of(3, 1)));
+    EXPECT_EQ(recover(disk).inputs.size(), 3U);
+  }
+}
+
 TEST(SegmentLog, replaces_a_segment_whose_first_write_failed) {
   SimulatedDisk disk{1};
   SegmentLog log{disk, beginning, large_segment};
@@ -320,7 +336,8 @@ void survives(std::uint64_t seed) {
   SimulatedDisk disk{seed};
   disk.set_faults([&random](Call call, const std::string&) {
     constexpr std::array codes{"disk.full", "disk.io", "disk.read_only"};
-    const bool writes = call == Call::append || call == Call::sync || call == Call::create || call == Call::remove;
+    const bool writes =
+        call == Call::append || call == Call::sync || call == Call::create || call == Call::remove || call == Call::cut;
     return std::string{writes && random.chance(0.1) ? codes[random.below(codes.size())] : ""};
   });
   SegmentStart next = beginning;
