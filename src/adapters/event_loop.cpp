@@ -36,7 +36,10 @@ void wait_for_signal(asio::signal_set& set, std::function<void(int)> action) {
 
 }  // namespace
 
-EventLoop::EventLoop() : impl_{std::make_unique<Impl>()} { std::signal(SIGPIPE, SIG_IGN); }
+EventLoop::EventLoop() : impl_{std::make_unique<Impl>()} {
+  // A closed pipe and a limit of file sizes (RLIMIT_FSIZE) are errors of the write, and end no program.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+}
 
 EventLoop::~EventLoop() = default;
 

@@ -21,7 +21,7 @@ constexpr const char* lock_name = ".lock";
 constexpr std::string_view new_suffix = ".new";
 
 tl::unexpected<Error> disk_error(int error, const std::string& path) {
-  const char* const code = error == ENOSPC || error == EDQUOT                    ? "disk.full"
+  const char* const code = error == ENOSPC || error == EDQUOT || error == EFBIG  ? "disk.full"
                            : error == EROFS || error == EACCES || error == EPERM ? "disk.read_only"
                            : error == EEXIST                                     ? "disk.exists"
                                                                                  : "disk.io";

@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
+#include <sys/resource.h>
 
+#include <filesystem>
+#include <string>
+
+#include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
@@ -54,6 +58,22 @@ TEST_F(PosixDiskTest, replaces_cuts_and_removes) {
   EXPECT_EQ(*disk->read("a"), "sec");
   EXPECT_TRUE(disk->remove("a"));
   EXPECT_THAT(*disk->names(), ElementsAre());
+}
+
+TEST_F(PosixDiskTest, is_full_at_the_limit_of_file_sizes_which_ends_no_program_with_an_event_loop) {
+  const EventLoop loop;
+  const auto disk = open();
+  auto file = disk->create("a");
+  ASSERT_TRUE(file);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit limited{1000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limited), 0);
+  const auto refused = (*file)->append(std::string(2000, 'a'));
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, "disk.full");
+  EXPECT_TRUE((*file)->append("b"));
 }
 
 TEST_F(PosixDiskTest, names_the_file_that_is_missing) {
