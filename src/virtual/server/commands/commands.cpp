@@ -28,6 +28,12 @@ wire::Action speed_limit(std::string_view profile) {
   return limit;
 }
 
+/// A vehicle that has not reported yet may have a limit from before this server's start.
+bool may_have_limit(const AivProxy& proxy) {
+  if (!proxy.state()) return proxy.supports("setSpeedLimit") != std::optional{false};
+  return proxy.reported_state.imposed() || proxy.settings.speed_mps_max();
+}
+
 bool sets_speed(OperatorCommandKind verb) { return profile_of(verb) || verb == OperatorCommandKind::limit; }
 
 }  // namespace
@@ -149,7 +155,7 @@ void Commands::begin(Command command) {
       break;
     case OperatorCommandKind::restart:
       actions.push_back(action("stopPause"));
-      if (proxy.reported_state.imposed() || proxy.settings.speed_mps_max()) actions.push_back(speed_limit("normal"));
+      if (may_have_limit(proxy)) actions.push_back(speed_limit("normal"));
       proxy.settings.on_restart();
       break;
     case OperatorCommandKind::cancel:

@@ -383,6 +383,7 @@ class FollowedCommands : public testing::Test {
 };
 
 TEST_F(FollowedCommands, are_sent_as_instant_actions_that_block_nothing) {
+  report_again(aiv1);
   const auto sent = [&](Kind kind, double speed_mps = 0.0) { return actions_of(issue(kind, speed_mps)); };
   const auto types = [](const std::vector<wire::Action>& actions) {
     std::vector<std::string> found;
@@ -418,6 +419,15 @@ TEST_F(FollowedCommands, to_restart_lift_an_imposed_profile_or_limit) {
   proxy(aiv1).settings.on_limit(0.2);
   EXPECT_EQ(actions_of(issue(Kind::restart)).size(), 2U);
   EXPECT_FALSE(proxy(aiv1).settings.speed_mps_max()) << "lifted";
+}
+
+TEST_F(FollowedCommands, to_restart_lift_the_limit_that_a_vehicle_without_a_report_may_have) {
+  ASSERT_EQ(proxy(aiv1).state(), nullptr);
+  const auto lifts = actions_of(issue(Kind::restart));
+  ASSERT_EQ(lifts.size(), 2U);
+  EXPECT_EQ(lifts[1].text("profile"), "normal");
+  set_state(aiv1, [](wire::State&) {});
+  EXPECT_EQ(actions_of(issue(Kind::restart)).size(), 1U);
 }
 
 TEST_F(FollowedCommands, change_the_settings_of_the_vehicle) {
