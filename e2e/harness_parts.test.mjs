@@ -155,6 +155,9 @@ test('the witness accepts braking, and reports a stopped vehicle that drives on,
   assert.match(found.pop(), /faster than it can/);
   witness.allow_teleports();
   drive((x += 1));
+  witness.hold(1, 'stop', at_ms);
+  at_ms += 8_000;
+  drive((x += 1));
   assert.deepEqual(found, []);
 });
 

@@ -55,8 +55,10 @@ export class Witness {
     const before = this.vehicles.get(number);
     const chord = before ? Math.hypot(x - before.x, y - before.y) : 0;
     const possible = before ? (speed_mps_max * Math.max(0, stamp_ms - before.stamp_ms)) / 1_000 + 0.03 : 0;
-    const jumped = chord > possible;
-    if (jumped && now_ms > this.teleports_allowed_until_ms) {
+    const teleports = now_ms <= this.teleports_allowed_until_ms;
+    // After a plant's end and a pause without observations, a vehicle may be at its start position.
+    const jumped = chord > possible || (teleports && before && stamp_ms - before.stamp_ms > gap_ms_max);
+    if (jumped && !teleports) {
       this.on_violation('a vehicle moved faster than it can', { vehicle: `AIV${number}`, metres: chord, within_ms: stamp_ms - before.stamp_ms });
     }
     this.vehicles.set(number, { x, y, speed, stamp_ms, received_ms: now_ms, distance: (before?.distance ?? 0) + (jumped ? 0 : chord) });
