@@ -1,6 +1,7 @@
 #include "cosiva/adapters/store/live_store.h"
 
 #include <random>
+#include <thread>
 #include <utility>
 
 #include "cosiva/adapters/store/posix_disk.h"
@@ -15,6 +16,16 @@ journal::SegmentStart new_store() {
   return {(std::uint64_t{random()} << 32U) | random(), 1, {}};
 }
 
+/// Opens the folder, if necessary after another process has ended.
+Result<std::unique_ptr<PosixDisk>> open_disk(const std::string& folder, std::chrono::milliseconds patience) {
+  constexpr std::chrono::milliseconds step{50};
+  for (;; patience -= step) {
+    auto disk = PosixDisk::open(folder);
+    if (disk || disk.error().code != "store.taken" || patience < step) return disk;
+    std::this_thread::sleep_for(step);
+  }
+}
+
 std::string cut_tail_text(const journal::StoreContent& content) {
   const journal::SegmentSummary& last = content.segments.back();
   return "the store ended within a write that was not confirmed: " + std::to_string(last.bytes - last.intact_bytes) +
@@ -25,7 +36,7 @@ std::string cut_tail_text(const journal::StoreContent& content) {
 
 Result<std::unique_ptr<LiveStore>> LiveStore::open(EventLoop& loop, const std::string& folder,
                                                    LiveStoreOptions options) {
-  auto opened = PosixDisk::open(folder);
+  auto opened = open_disk(folder, options.patience);
   if (!opened) return tl::unexpected<Error>(opened.error());
   const std::shared_ptr<journal::Disk> disk{std::move(*opened)};
   const auto from = journal::last_checkpoint(*disk);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <thread>
 
 #include "cosiva/adapters/store/posix_disk.h"
 #include "cosiva/adapters/test_fixture.h"
@@ -154,9 +155,21 @@ TEST_F(Stored, damage_is_refused_with_folder_and_file) {
   EXPECT_THAT(store.error().location, ::testing::StartsWith(folder));
 }
 
+TEST_F(Stored, second_process_waits_until_the_first_has_ended) {
+  auto first = open();
+  std::thread end{[&] {
+    std::this_thread::sleep_for(200ms);
+    first.reset();
+  }};
+  EXPECT_TRUE(LiveStore::open(loop, folder, {}));
+  end.join();
+}
+
 TEST_F(Stored, second_process_is_refused) {
   const auto first = open();
-  const auto second = LiveStore::open(loop, folder, {});
+  LiveStoreOptions options;
+  options.patience = 100ms;
+  const auto second = LiveStore::open(loop, folder, std::move(options));
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, "store.taken");
 }
