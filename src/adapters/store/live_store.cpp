@@ -17,11 +17,11 @@ journal::SegmentStart new_store() {
 }
 
 /// Opens the folder, if necessary after another process has ended.
-Result<std::unique_ptr<PosixDisk>> open_disk(const std::string& folder, std::chrono::milliseconds patience) {
+Result<std::unique_ptr<PosixDisk>> open_disk(const std::string& folder, std::chrono::milliseconds wait_max) {
   constexpr std::chrono::milliseconds step{50};
-  for (;; patience -= step) {
+  for (;; wait_max -= step) {
     auto disk = PosixDisk::open(folder);
-    if (disk || disk.error().code != "store.taken" || patience < step) return disk;
+    if (disk || disk.error().code != "store.taken" || wait_max < step) return disk;
     std::this_thread::sleep_for(step);
   }
 }
@@ -36,7 +36,7 @@ std::string cut_tail_text(const journal::StoreContent& content) {
 
 Result<std::unique_ptr<LiveStore>> LiveStore::open(EventLoop& loop, const std::string& folder,
                                                    LiveStoreOptions options) {
-  auto opened = open_disk(folder, options.patience);
+  auto opened = open_disk(folder, options.wait_max);
   if (!opened) return tl::unexpected<Error>(opened.error());
   const std::shared_ptr<journal::Disk> disk{std::move(*opened)};
   const auto from = journal::last_checkpoint(*disk);

@@ -24,7 +24,7 @@ struct LiveStoreOptions {
   std::uint64_t checkpoint_period{50'000};
   journal::Keep keep{};
   /// How long to wait for another process that uses the store: one that was killed may still be writing.
-  std::chrono::milliseconds patience{std::chrono::seconds{10}};
+  std::chrono::milliseconds wait_max{std::chrono::seconds{10}};
   GroupCommitOptions commit{};
   /// Receives lines for the log: 'i', 'w' or 'e', and the text. May be empty.
   std::function<void(char level, const std::string& text)> on_log{};

@@ -168,7 +168,7 @@ TEST_F(Stored, second_process_waits_until_the_first_has_ended) {
 TEST_F(Stored, second_process_is_refused) {
   const auto first = open();
   LiveStoreOptions options;
-  options.patience = 100ms;
+  options.wait_max = 100ms;
   const auto second = LiveStore::open(loop, folder, std::move(options));
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, "store.taken");
