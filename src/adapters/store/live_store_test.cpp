@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <thread>
 
@@ -128,7 +129,12 @@ TEST_F(Stored, no_checkpoint_is_written_between_a_command_and_its_effect) {
     EXPECT_TRUE(loop.run_until([&] { return given_now; }, 5s));
     handle(*store, {tick()});
   }
-  EXPECT_THAT(kinds(), ::testing::ElementsAre("7", "7", "7", "9", "6!", "10", "10!", "7"));
+  // The disk's thread may write the proposal before any of the first ticks, which wait for others.
+  std::vector<std::string> records = kinds();
+  const auto proposed = std::ranges::find(records, "9");
+  ASSERT_LT(proposed, std::ranges::find(records, "6!"));
+  records.erase(proposed);
+  EXPECT_THAT(records, ::testing::ElementsAre("7", "7", "7", "6!", "10", "10!", "7"));
 }
 
 TEST_F(Stored, torn_tail_is_cut_off_and_reported) {
