@@ -49,6 +49,13 @@ std::size_t records_on(const SimulatedDisk& disk) {
   return count;
 }
 
+/// A disk that is full for these calls, as long as `full` is true.
+SimulatedDisk::Faults refusing(Call refused, const std::atomic<bool>& full) {
+  return [refused, &full](Call call, const std::string&) {
+    return std::string{full && call == refused ? "disk.full" : ""};
+  };
+}
+
 TEST(GroupCommit, makes_records_durable_within_its_period) {
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
@@ -92,8 +99,7 @@ TEST(GroupCommit, refuses_a_proposal_with_the_reason_of_the_disk_and_forgets_it)
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
   std::atomic<bool> full{true};
-  disk->set_faults(
-      [&](Call call, const std::string&) { return std::string{full && call == Call::sync ? "disk.full" : ""}; });
+  disk->set_faults(refusing(Call::sync, full));
   GroupCommitOptions options;
   options.retry = 1ms;
   GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
@@ -111,8 +117,7 @@ TEST(GroupCommit, reports_a_refusing_disk_once_and_loses_nothing_when_it_works_a
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
   std::atomic<bool> full{true};
-  disk->set_faults(
-      [&](Call call, const std::string&) { return std::string{full && call == Call::append ? "disk.full" : ""}; });
+  disk->set_faults(refusing(Call::append, full));
   std::vector<std::string> refusals;
   int recoveries = 0;
   GroupCommitOptions options;
@@ -149,8 +154,7 @@ TEST(GroupCommit, reports_an_urgent_record_as_durable_only_after_a_refusing_disk
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
   std::atomic<bool> full{true};
-  disk->set_faults(
-      [&](Call call, const std::string&) { return std::string{full && call == Call::sync ? "disk.full" : ""}; });
+  disk->set_faults(refusing(Call::sync, full));
   GroupCommitOptions options;
   options.retry = 1ms;
   bool refused = false;
@@ -169,8 +173,7 @@ TEST(GroupCommit, gives_up_more_records_than_it_may_hold_until_a_checkpoint) {
   EventLoop loop;
   const auto disk = std::make_shared<SimulatedDisk>(1);
   std::atomic<bool> full{true};
-  disk->set_faults(
-      [&](Call call, const std::string&) { return std::string{full && call == Call::create ? "disk.full" : ""}; });
+  disk->set_faults(refusing(Call::create, full));
   std::uint32_t given_up = 0;
   GroupCommitOptions options;
   options.retry = 1ms;

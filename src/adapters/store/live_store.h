@@ -47,9 +47,6 @@ class LiveStore final : public InputStore {
   void drain() override { commit_->drain(); }
   [[nodiscard]] Left left() const override;
 
-  /// Nothing while the disk works; else why it refuses.
-  [[nodiscard]] const std::optional<Error>& refusal() const { return refusal_; }
-
  private:
   /// A command that waits for a checkpoint.
   struct Held {
@@ -66,11 +63,11 @@ class LiveStore final : public InputStore {
 
   LiveStoreOptions options_;
   journal::Restart restart_;
-  std::optional<Error> refusal_;
-  wire::Input state_;         ///< persisted last; no payload: none
-  journal::Batch input_;      ///< the records of the input that the core handles
-  std::uint64_t records_{0};  ///< appended since the last checkpoint
-  std::size_t undecided_{0};  ///< commands that were passed on, and not yet appended or refused
+  std::optional<Error> refusal_;  ///< nothing while the disk works
+  wire::Input state_;             ///< persisted last; no payload: none
+  journal::Batch input_;          ///< the records of the input that the core handles
+  std::uint64_t records_{0};      ///< appended since the last checkpoint
+  std::size_t undecided_{0};      ///< commands that were passed on, and not yet appended or refused
   std::deque<Held> held_;
   std::unique_ptr<GroupCommit> commit_;
   std::unique_ptr<StoreKeeper> keeper_;

@@ -60,6 +60,13 @@ Result<std::unique_ptr<PosixDisk>> open(const JournalArguments& arguments, Posix
   return PosixDisk::open(folder_of(arguments), use);
 }
 
+/// Opens a store to read it, and reads it.
+Result<Reading> read(const JournalArguments& arguments, const journal::OnRecord& on_record = {}) {
+  const auto disk = open(arguments, PosixDisk::Use::read);
+  if (!disk) return tl::unexpected<Error>(disk.error());
+  return read(**disk, on_record);
+}
+
 std::string summary_of(const Reading& reading) {
   std::string text =
       std::to_string(reading.records) + " records in " + std::to_string(reading.content.segments.size()) + " segments";
@@ -93,19 +100,19 @@ int finish(const Reading& reading) {
   return exit_check_failed;
 }
 
+int print_json(const Reading& reading) {
+  JsonWriter json;
+  write(json, reading);
+  print(json.text());
+  return finish(reading);
+}
+
 }  // namespace
 
 int run_journal_list(const JournalArguments& arguments) {
-  const auto disk = open(arguments, PosixDisk::Use::read);
-  if (!disk) return report_error(disk.error());
-  const auto reading = read(**disk);
+  const auto reading = read(arguments);
   if (!reading) return report_error(reading.error());
-  if (arguments.json) {
-    JsonWriter json;
-    write(json, *reading);
-    print(json.text());
-    return finish(*reading);
-  }
+  if (arguments.json) return print_json(*reading);
   for (const journal::SegmentSummary& segment : reading->content.segments) {
     print(segment.name + "  records " + std::to_string(segment.first) + " to " + std::to_string(segment.next - 1) +
           ", " + std::to_string(segment.bytes) + " bytes");
@@ -115,15 +122,10 @@ int run_journal_list(const JournalArguments& arguments) {
 }
 
 int run_journal_verify(const JournalArguments& arguments) {
-  const auto disk = open(arguments, PosixDisk::Use::read);
-  if (!disk) return report_error(disk.error());
-  const auto reading = read(**disk);
+  const auto reading = read(arguments);
   if (!reading) return report_error(reading.error());
-  if (arguments.json) {
-    JsonWriter json;
-    write(json, *reading);
-    print(json.text());
-  } else if (!reading->content.damage) {
+  if (arguments.json) return print_json(*reading);
+  if (!reading->content.damage) {
     print("intact: " + summary_of(*reading) +
           (reading->content.next ? ", hash " + reading->content.next->chain.hex() : std::string{}));
   }
@@ -131,9 +133,7 @@ int run_journal_verify(const JournalArguments& arguments) {
 }
 
 int run_journal_export(const JournalArguments& arguments) {
-  const auto disk = open(arguments, PosixDisk::Use::read);
-  if (!disk) return report_error(disk.error());
-  const auto reading = read(**disk, [](RecordNumber number, const RecordView& record) {
+  const auto reading = read(arguments, [](RecordNumber number, const RecordView& record) {
     JsonWriter json;
     json.begin_object()
         .field("number", number)

@@ -11,15 +11,6 @@ namespace {
 constexpr double stopped_mps = 0.01;
 constexpr double speed_slack_mps = 0.02;
 
-std::optional<aiv::Profile> profile_of(OperatorCommandKind verb) {
-  switch (verb) {
-    case OperatorCommandKind::slow: return aiv::Profile::slow;
-    case OperatorCommandKind::medium: return aiv::Profile::medium;
-    case OperatorCommandKind::fast: return aiv::Profile::fast;
-    default: return std::nullopt;
-  }
-}
-
 wire::Action action(std::string type) { return {std::move(type), {}, {}, wire::BlockingType::none, {}}; }
 
 wire::Action speed_limit(std::string_view profile) {

@@ -38,6 +38,7 @@ std::optional<OperatorCommandKind> IntentionEnforcer::unfulfilled(const AivProxy
 
 void IntentionEnforcer::enforce(VehicleIndex vehicle) {
   AivProxy& proxy = registry_[vehicle];
+  COSIVA_EXPECT(proxy.state() != nullptr);
   const Intention& intention = intentions_.of(proxy.name());
   proxy.settings.await_stop(intention.stopped && !proxy.state()->paused);
   if (intention.empty()) return;
@@ -46,7 +47,6 @@ void IntentionEnforcer::enforce(VehicleIndex vehicle) {
   if (!kind || !proxy.online() || commands_.any_open(vehicle)) return;
   std::optional<SimTime>& tried_at = tried_at_[vehicle];
   if (tried_at && publisher_.now() - *tried_at < period) return;
-  COSIVA_EXPECT(!commands_.any_open(vehicle));
   tried_at = publisher_.now();
   commands_.issue_again(vehicle, *kind, intention.speed_mps_max.value_or(0.0));
 }

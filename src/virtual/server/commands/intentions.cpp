@@ -34,6 +34,15 @@ std::optional<Intention> read_intention(const JsonValue& json) {
 
 }  // namespace
 
+std::optional<aiv::Profile> profile_of(OperatorCommandKind kind) {
+  switch (kind) {
+    case OperatorCommandKind::slow: return aiv::Profile::slow;
+    case OperatorCommandKind::medium: return aiv::Profile::medium;
+    case OperatorCommandKind::fast: return aiv::Profile::fast;
+    default: return std::nullopt;
+  }
+}
+
 void Intention::take(OperatorCommandKind kind, double speed_mps) {
   switch (kind) {
     case OperatorCommandKind::stop: stopped = true; break;
@@ -47,7 +56,7 @@ void Intention::take(OperatorCommandKind kind, double speed_mps) {
     case OperatorCommandKind::slow:
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast:
-      profile = aiv::parse_profile(to_string(kind));
+      profile = profile_of(kind);
       speed_mps_max.reset();
       break;
   }

@@ -12,6 +12,9 @@
 
 namespace cosiva::virtual_side {
 
+/// The speed profile that a command imposes; nothing where it imposes none.
+[[nodiscard]] std::optional<aiv::Profile> profile_of(OperatorCommandKind kind);
+
 /// What an operator has decided for a vehicle and not lifted. An intention holds whether the vehicle is there or not,
 /// and over restarts of vehicle and server; no time limit ends it.
 struct Intention {
