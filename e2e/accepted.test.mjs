@@ -20,8 +20,8 @@ test('accepted is never lost', { timeout: 300_000 }, async (t) => {
       const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'obstacle', x, y });
       await platform.kill_child(/server/i);
       await is_back(platform);
-      const { virtualObjects } = await platform.snapshot();
-      assert.ok(virtualObjects.some((object) => object.id === id), `${id} is there after the restart`);
+      // A command that the killed server was not given waits until the new one knows its vehicles, 5 s at most.
+      await eventually(`${id} is there after the restart`, async () => (await platform.snapshot()).virtualObjects.some((object) => object.id === id), { within_ms: 7_000 });
     }
   });
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <deque>
 #include <utility>
 
 #include "cosiva/adapters/input_queue.h"
@@ -21,6 +22,14 @@ std::string log_line(SimTime at, const std::string& name, char level, const std:
 }
 
 }  // namespace
+
+/// A command that is durable in the store, and that the core was not given yet.
+struct StoredCommand {
+  std::string source;
+  std::string json;
+  std::shared_ptr<const wire::InProcessMessage> decoded;
+  InputStore::Decided decided;
+};
 
 struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   Impl(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
@@ -62,7 +71,20 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void handle(const wire::Input& input, InputQueue::Durable durable) {
     for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
     complete(std::move(durable));
+    give_earlier_commands();
     if (after_input) after_input();
+  }
+
+  /// In the order in which they were accepted, which is that of their records.
+  void give_earlier_commands() {
+    if (earlier_commands.empty() || (options.takes_earlier_commands && !options.takes_earlier_commands())) return;
+    for (StoredCommand& command : std::exchange(earlier_commands, {})) give(std::move(command));
+  }
+
+  void give(StoredCommand command) {
+    deliver(wire::InputKind::command, std::move(command.source), std::move(command.json), true,
+            std::move(command.decoded));
+    command.decided({});
   }
 
   /// The input and the state that it made the core persist are stored together.
@@ -98,8 +120,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
                             decided = std::move(decided)](const Result<void>& kept) {
                              const auto self = weak.lock();
                              if (!self) return;
-                             if (kept) self->deliver(wire::InputKind::command, source, json, true, decoded);
-                             decided(kept);
+                             if (!kept) return decided(kept);
+                             StoredCommand stored{source, json, decoded, decided};
+                             if (self->earlier_commands.empty()) return self->give(std::move(stored));
+                             self->earlier_commands.push_back(std::move(stored));
                            });
   }
 
@@ -138,7 +162,9 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     if (state_file) left.persisted = state_file->load();
     if (left.persisted) deliver(wire::InputKind::restore, "state", std::move(*left.persisted));
     for (wire::Input& command : left.accepted)
-      deliver(wire::InputKind::command, std::move(command.source), std::move(command.payload), true);
+      earlier_commands.push_back(
+          {std::move(command.source), std::move(command.payload), {}, [](const Result<void>&) {}});
+    give_earlier_commands();
   }
 
   Result<void> start() {
@@ -191,6 +217,7 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   std::optional<journal::Writer> writer;
   std::optional<StateFile> state_file;
   InputQueue inputs;
+  std::deque<StoredCommand> earlier_commands;  ///< of an earlier process, and behind them those accepted meanwhile
   Timer tick_timer;
   std::function<void()> after_input;
   LiveLinks links;  ///< last, so that they are destroyed first: their handlers use all of the above

@@ -177,6 +177,7 @@ int run_server(const ServerArguments& arguments) {
   if (!store) return report_error(store.error());
   live->store = std::move(*store);
   virtual_side::ServerCore core{options};
+  live->takes_earlier_commands = [&core] { return core.takes_earlier_commands(); };
   auto client_options =
       mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
   if (!client_options) return report_error(client_options.error());

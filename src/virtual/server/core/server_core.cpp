@@ -20,6 +20,11 @@
 #include "cosiva/virtual/server/core/zone_session.h"
 
 namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration earlier_commands_wait_max{std::chrono::seconds{5}};
+
+}  // namespace
 
 /// The server's parts, and the order in which an input reaches them.
 struct ServerCore::Impl {
@@ -37,7 +42,11 @@ struct ServerCore::Impl {
   BrokerSession broker{parts.context, parts.augmented, parts.instruments, zones, ownership, world};
   ServerView view{parts.context, parts.master, parts.augmented, zones, parts.instruments};
   std::optional<SimTime> ticked_at{};
-  bool begun{false};
+  struct Beginning {
+    std::optional<SimTime> at{};
+    bool takes_earlier_commands{false};
+  };
+  Beginning beginning{};
 
   void on_command(const wire::Input& input);
   void on_tick();
@@ -103,8 +112,9 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
   ServerContext& context = impl.parts.context;
   context.now = input.at;
   context.publisher.open(input.at, effects);
-  if (!std::exchange(impl.begun, true) && context.options.zone)
-    impl.zones.receive(*context.options.zone, ZoneSession::Source::given);
+  const bool first = !impl.beginning.at;
+  if (first) impl.beginning.at = input.at;
+  if (first && context.options.zone) impl.zones.receive(*context.options.zone, ZoneSession::Source::given);
   switch (input.kind) {
     case wire::InputKind::message: impl.intake.receive(input); break;
     case wire::InputKind::tick: impl.on_tick(); break;
@@ -118,6 +128,9 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::persisted: break;  // of a store, which gives them to no core
   }
   impl.persisted.persist_if_stale();
+  impl.beginning.takes_earlier_commands = impl.beginning.takes_earlier_commands ||
+                                          context.now - *impl.beginning.at > earlier_commands_wait_max ||
+                                          (context.link.synchronised() && context.simulator.zone() != nullptr);
   COSIVA_EXPECT(context.now == input.at && context.publisher.now() == input.at);
 }
 
@@ -154,6 +167,8 @@ void ServerCore::fold(Digest& digest) const {
   digest.add(context.messages_refused);
   digest.add(context.traces.next());
 }
+
+bool ServerCore::takes_earlier_commands() const { return impl_->beginning.takes_earlier_commands; }
 
 SimDuration ServerCore::tick_period() const { return impl_->parts.context.options.cycle; }
 

@@ -53,6 +53,9 @@ class ServerCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
 
+  /// Whether commands that an earlier process accepted can be executed: zone and vehicles are known, or have not
+  /// appeared within 5 s.
+  [[nodiscard]] bool takes_earlier_commands() const;
   /// Checks a command without running it, for an immediate response to the sender.
   [[nodiscard]] Result<void> check_command(const DecodedCommand& command) const;
 
