@@ -65,6 +65,8 @@ test('the virtual and the physical world perceive each other', { timeout: 240_00
     const { id } = await platform.ask('POST', 'virtual-objects', { kind: 'aiv', section: at.section, s: at.s });
     const virtual = `CoSiVA.virtual/${id}`;
     await eventually('it is listed', async () => snapshot_of(virtual), { within_ms: 3_000, every_ms: 20 });
+    // A stopped vehicle receives no first order.
+    await eventually('it drives by an order', () => heard.state.some(({ message }) => message.orderId !== ''), { within_ms: 3_000, every_ms: 20 });
     await platform.command('stop', virtual);
     await ground_truth.stands(aiv.number, 8_000);
     const there = await snapshot_of(virtual);
