@@ -51,7 +51,11 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   // Its program dies whenever the supervisor has started it again: a vehicle that is lost for good.
   const killing = setInterval(() => {
     const lost = platform.children().find(({ name }) => /aiv\D*3$/i.test(name));
-    if (lost?.pid > 0 && alive(lost.pid)) process.kill(lost.pid, 'SIGKILL');
+    try {
+      if (lost?.pid > 0 && alive(lost.pid)) process.kill(lost.pid, 'SIGKILL');
+    } catch (error) {
+      if (error.code !== 'ESRCH') throw error; // it has ended meanwhile
+    }
   }, 20);
   finally_do(t, () => clearInterval(killing));
 
