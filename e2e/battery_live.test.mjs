@@ -5,7 +5,7 @@ import { readFileSync, existsSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { finally_do } from './lib/cleanup.mjs';
-import { alive, cosiva, cosiva_binary, eventually, Platform, Program, sleep, source_dir } from './lib/platform.mjs';
+import { alive, cosiva, cosiva_binary, eventually, Platform, Program, send_signal, sleep, source_dir } from './lib/platform.mjs';
 
 /**
  * The Leaf's cell, small enough to last a minute and a half, and with a resistance small enough for this rate of
@@ -51,11 +51,7 @@ test('cosiva battery fleet --live', { timeout: 400_000 }, async (t) => {
   // Its program dies whenever the supervisor has started it again: a vehicle that is lost for good.
   const killing = setInterval(() => {
     const lost = platform.children().find(({ name }) => /aiv\D*3$/i.test(name));
-    try {
-      if (lost?.pid > 0 && alive(lost.pid)) process.kill(lost.pid, 'SIGKILL');
-    } catch (error) {
-      if (error.code !== 'ESRCH') throw error; // it has ended meanwhile
-    }
+    if (lost?.pid > 0 && alive(lost.pid)) send_signal(lost.pid, 'SIGKILL');
   }, 20);
   finally_do(t, () => clearInterval(killing));
 

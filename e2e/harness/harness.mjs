@@ -4,7 +4,7 @@ import { existsSync, mkdirSync, readFileSync, readdirSync } from 'node:fs';
 import { monitorEventLoopDelay } from 'node:perf_hooks';
 import path from 'node:path';
 import { Worker } from 'node:worker_threads';
-import { alive, cosiva_binary, eventually, sleep } from '../lib/platform.mjs';
+import { alive, cosiva_binary, eventually, send_signal, sleep } from '../lib/platform.mjs';
 import { CommandStates, differences, fleet_problem, missing_commands, repeated_commands, settings_after, unfinished_commands } from './checks.mjs';
 import { idle_connections, send_large_body } from './clients.mjs';
 import { begin_netem } from './netem.mjs';
@@ -280,7 +280,7 @@ export class Harness {
     await sleep(Math.max(0, entry.done_ms + after_ms - Date.now()));
     ++this.server_faults;
     const up = this.site.freeze('up', this.site.up.pid);
-    this.site.signal(server, 'SIGKILL');
+    send_signal(server, 'SIGKILL');
     const dead_ms = Date.now();
     await eventually('server is dead', () => !alive(server), { within_ms: 5_000, every_ms: 5 });
     await this.check_store(`the death of the server ${dead_ms - entry.done_ms} ms after a response`);

@@ -2,7 +2,7 @@
 // killed, frozen and started again.
 import { appendFileSync, mkdirSync, readFileSync } from 'node:fs';
 import path from 'node:path';
-import { alive, all_processes, cosiva_binary, descendants, eventually, free_port, hopeless, listening_ports, Program, start_broker, within } from '../lib/platform.mjs';
+import { alive, all_processes, cosiva_binary, descendants, eventually, free_port, hopeless, listening_ports, Program, send_signal, start_broker, within } from '../lib/platform.mjs';
 import { LossyProxy } from './lossy_proxy.mjs';
 
 const end_ms = 15_000;
@@ -75,34 +75,24 @@ export class Site {
     return pid ? listening_ports(pid)[0] : undefined;
   }
 
-  signal(pid, signal) {
-    try {
-      process.kill(pid, signal);
-      return true;
-    } catch (error) {
-      if (error.code !== 'ESRCH') throw error;
-      return false;
-    }
-  }
-
   /** kill -9, and waits until the process has ended. Returns its former id, or null. */
   async kill(part) {
     const pid = this.pid(part);
-    if (!pid || !this.signal(pid, 'SIGKILL')) return null;
+    if (!pid || !send_signal(pid, 'SIGKILL')) return null;
     this.frozen.delete(pid);
     await eventually(`${part} is dead`, () => !alive(pid), { within_ms: 5_000, every_ms: 5 });
     return pid;
   }
 
   freeze(part, pid = this.pid(part)) {
-    if (!pid || !this.signal(pid, 'SIGSTOP')) return null;
+    if (!pid || !send_signal(pid, 'SIGSTOP')) return null;
     this.frozen.set(pid, part);
     return pid;
   }
 
   thaw(pid) {
     this.frozen.delete(pid);
-    this.signal(pid, 'SIGCONT');
+    send_signal(pid, 'SIGCONT');
   }
 
   thaw_all() {
@@ -124,7 +114,7 @@ export class Site {
   /** Ends `up` as an operator does. Returns {code, signal}, or null when it did not end in time. */
   async end() {
     this.thaw_all();
-    this.signal(this.up.pid, 'SIGINT');
+    send_signal(this.up.pid, 'SIGINT');
     return within(this.up.ended, end_ms, null);
   }
 

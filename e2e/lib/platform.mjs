@@ -7,7 +7,7 @@ import { createServer } from 'node:net';
 import os from 'node:os';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { alive, all_processes, descendants, listening_ports } from './processes.mjs';
+import { alive, all_processes, descendants, listening_ports, send_signal } from './processes.mjs';
 
 export const source_dir = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '../..');
 export const lacet4_length_m = 4 * 1.5 + 4 * 1.5 * Math.PI * 0.6; // A11: 17.31 m
@@ -103,7 +103,7 @@ export async function cosiva(args, { timeout_ms = 60_000, cwd, binary = cosiva_b
   });
   on_start?.(child);
   const timer = setTimeout(() => {
-    for (const { pid } of descendants(child.pid)) kill(pid, 'SIGKILL');
+    for (const { pid } of descendants(child.pid)) send_signal(pid, 'SIGKILL');
     child.kill('SIGKILL');
   }, timeout_ms);
   const result = await ended;
@@ -117,14 +117,6 @@ export async function cosiva_json(args, options) {
   const result = await cosiva(args, options);
   assert.equal(result.code, 0, `cosiva ${args.join(' ')}: exit ${result.code}\n${result.stderr.slice(-3000)}\n${result.stdout.slice(-1000)}`);
   return JSON.parse(result.stdout);
-}
-
-function kill(pid, signal) {
-  try {
-    process.kill(pid, signal);
-  } catch (error) {
-    if (error.code !== 'ESRCH') throw error;
-  }
 }
 
 /** A long-running `cosiva` (up, server, plant, aiv …) or any other program. */
@@ -150,7 +142,7 @@ export class Program {
   /** Ends the program as Ctrl-C does, and waits. */
   async stop({ within_ms = 15_000, signal = 'SIGINT' } = {}) {
     this.remember_family();
-    kill(this.pid, signal);
+    send_signal(this.pid, signal);
     const late = Symbol('late');
     const result = await within(this.ended, within_ms, late);
     assert.notEqual(result, late, `${this.name} did not end within ${within_ms} ms of ${signal}\n${this.words.slice(-2000)}`);
@@ -164,11 +156,11 @@ export class Program {
   async kill_all() {
     if (!this.gone) {
       this.remember_family();
-      kill(this.pid, 'SIGCONT'); // a test may have failed while the program was frozen
-      kill(this.pid, 'SIGTERM');
+      send_signal(this.pid, 'SIGCONT'); // a test may have failed while the program was frozen
+      send_signal(this.pid, 'SIGTERM');
       await within(this.ended, 4_000);
     }
-    for (const pid of this.family) if (alive(pid)) kill(pid, 'SIGKILL');
+    for (const pid of this.family) if (alive(pid)) send_signal(pid, 'SIGKILL');
   }
 }
 
@@ -299,4 +291,4 @@ export async function start_broker(t, folder = work_folder(t)) {
   return { port, address: `127.0.0.1:${port}`, program: broker };
 }
 
-export { alive, all_processes, descendants, listening_ports };
+export { alive, all_processes, descendants, listening_ports, send_signal };

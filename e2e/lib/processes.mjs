@@ -36,6 +36,17 @@ export function alive(pid) {
   return all_processes().some((process) => process.pid === pid && process.state !== 'Z');
 }
 
+/** Whether the process was there to receive the signal: it may end at any time. */
+export function send_signal(pid, signal) {
+  try {
+    process.kill(pid, signal);
+    return true;
+  } catch (error) {
+    if (error.code !== 'ESRCH') throw error;
+    return false;
+  }
+}
+
 /** The TCP ports of IPv4 loopback on which a process listens. */
 export function listening_ports(pid) {
   const inodes = new Set();
