@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Truth } from './lib/bus.mjs';
-import { eventually, Platform, sleep } from './lib/platform.mjs';
+import { eventually, Platform } from './lib/platform.mjs';
 
 const paused = async (platform, number) => {
   const aiv = await platform.aiv(number);
@@ -28,9 +28,9 @@ test('accepted is never lost', { timeout: 300_000 }, async (t) => {
   await t.test('a Stop holds for a vehicle that was dead, and for those that are killed later', async () => {
     await platform.kill_child(/aiv\D*2$/i);
     await eventually('its twin is lost', async () => (await platform.aiv(2)).connection !== 'ONLINE', { within_ms: 5_000 });
-    await platform.command('stop', '*');
-    // A Stop is sent before its record is durable, which takes the disk some milliseconds.
-    await sleep(200);
+    const stop = await platform.command('stop', '*');
+    // A Stop is responded to before its record: only a durable one outlives the server.
+    await eventually('the Stop is durable', async () => (await platform.get(`commands/${stop}`)).durable, { every_ms: 5 });
     await platform.kill_child(/server/i);
     await is_back(platform);
     await eventually('all are stopped', async () => (await Promise.all([1, 2, 3].map((number) => paused(platform, number)))).every(Boolean), { within_ms: 20_000 });

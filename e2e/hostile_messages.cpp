@@ -109,7 +109,8 @@ int main(int argc, char** argv) {
   std::size_t steps = 0;
   std::size_t steps_matched = 0;
   while (sent < messages) {
-    for (std::uint64_t i = 0; i < burst && sent < messages; ++i, ++sent) (*world)->publish(unknown_sender.next());
+    for (std::uint64_t i = 0; i < burst && sent < messages; ++i, ++sent)
+      (*world)->faults().publish_from_outside(unknown_sender.next());
     (*world)->run_for(100ms);
     ++steps;
     if (true_twins(**world) == aivs) ++steps_matched;

@@ -26,6 +26,7 @@
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/gvs.h"
+#include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/runtime/network.h"
 #include "cosiva/zone/rtm/rtm.h"
 #include "e2e/soak.h"
@@ -69,7 +70,7 @@ class Run {
   /// A message of the part's counterpart, which the tap does not receive.
   void publish(std::string_view from, const wire::Publish& message) {
     write(world_->now(), from, message);
-    world_->publish(message);
+    world_->faults().publish_from_outside(message);
   }
   template <typename Reaction>
   void obey(std::string_view from, const Reaction& reaction) {
@@ -175,7 +176,8 @@ bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) 
   return running;
 }
 
-/// The server and a vehicle are killed and started again: both publish their retained messages anew.
+/// The server and a vehicle are killed and started again: both publish their retained messages anew. While there is no
+/// heartbeat, the vehicles check their link to the broker.
 void come_and_go(Run& run) {
   run.world().run_for(3s);
   run.world().kill_server();
@@ -188,7 +190,9 @@ void come_and_go(Run& run) {
 
 bool connections(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   const std::string vehicle = wire::vda_topic(vehicles(1)[0], "connection");
-  Run run{trace, world_of(zone, 2), {wire::server_connection_topic, vehicle}};
+  experiments::WorldOptions options = world_of(zone, 2);
+  options.v2x = options.server.v2x = false;  // a vehicle's own V2X messages, received back, prove the link too
+  Run run{trace, std::move(options), {wire::server_connection_topic, vehicle, wire::link_check_topic_prefix}};
   if (!run.made()) return false;
   come_and_go(run);
   return true;

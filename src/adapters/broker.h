@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "cosiva/adapters/child_process.h"
 #include "cosiva/adapters/event_loop.h"
@@ -12,13 +13,15 @@
 namespace cosiva::adapters {
 
 struct BrokerOptions {
-  std::string run_directory;  ///< its configuration goes here, readable by this user alone
-  std::string log_file;       ///< empty: its output goes to our stderr
-  std::string program;        ///< empty: searched in PATH and /usr/sbin
+  std::string run_directory;                             ///< its configuration goes here, readable by this user alone
+  std::string log_file;                                  ///< empty: its output goes to our stderr
+  std::string program;                                   ///< empty: searched in PATH and /usr/sbin
+  std::function<void(std::string_view bytes)> on_log{};  ///< takes its output in place of log_file
 };
 
-/// A private mosquitto on 127.0.0.1: not reachable from other machines, and without state that outlives it. Queues are
-/// unlimited, because a stalled reader must not lose messages unnoticed, and Nagle is off at both ends.
+/// A private mosquitto on 127.0.0.1: not reachable from other machines, and without state that outlives it. Its queues
+/// hold what a reader that stalls for a few seconds misses, and are bounded; what exceeds them, the broker logs. Nagle
+/// is off at both ends.
 ///
 /// Invariant: the broker is launched on one port, chosen before.
 class PrivateBroker {

@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/read_until.hpp>
@@ -92,6 +94,7 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
         options{std::move(options_)},
         reaped{loop_.context(), SIGCHLD},
         output{std::make_shared<Output>(loop_.context())},
+        log_pipe{loop_.context()},
         grace{loop_} {}
 
   Result<void> start() {
@@ -99,8 +102,11 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
     const std::string& program = options.argv.front();
     Pipe lines;
     Pipe failure;
+    Pipe log_lines;
     int log = -1;
-    if (!options.log_file.empty()) {
+    if (options.on_log) {
+      log = std::exchange(log_lines.write_end, -1);
+    } else if (!options.log_file.empty()) {
       log = ::open(options.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
       if (log < 0) return fail("child.start", std::string("cannot write: ") + std::strerror(errno), options.log_file);
     }
@@ -130,6 +136,12 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
       output->pipe.assign(std::exchange(lines.read_end, -1), ignored);
       read_lines();
     }
+    if (options.on_log) {
+      ErrorCode ignored;
+      log_pipe.assign(std::exchange(log_lines.read_end, -1), ignored);
+      log_pipe.non_blocking(true, ignored);
+      read_log();
+    }
     return {};
   }
 
@@ -146,12 +158,32 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
     if (pid <= 0 || ::waitpid(pid, &status, WNOHANG) != pid) return false;
     pid = -1;
     grace.cancel();
+    // What a child wrote at its end, such as the reason of an abort, arrives before its exit is reported.
+    if (options.on_log) take_log();
     ChildExit exit;
     exit.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     exit.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     const auto on_exit = std::exchange(options.on_exit, {});
     if (on_exit) on_exit(exit);
     return true;
+  }
+
+  void read_log() {
+    // Waits and then reads, so that no bytes are in transit to a handler when the child's exit is handled.
+    log_pipe.async_wait(asio::posix::stream_descriptor::wait_read, [weak = weak_from_this()](const ErrorCode& error) {
+      const auto self = weak.lock();
+      if (error || !self || !self->options.on_log) return;
+      if (self->take_log()) self->read_log();
+    });
+  }
+
+  /// Takes what is there, a pipe's capacity at most. False: the child has closed its log.
+  bool take_log() {
+    std::array<char, 64 * 1024> bytes{};
+    ErrorCode error;
+    const std::size_t size = log_pipe.read_some(asio::buffer(bytes), error);
+    if (size > 0) options.on_log({bytes.data(), size});
+    return size > 0 || error == asio::error::would_block;
   }
 
   void read_lines() {
@@ -171,9 +203,11 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
   void close() {
     options.on_exit = {};
     options.on_line = {};
+    options.on_log = {};
     ErrorCode ignored;
     reaped.cancel(ignored);
     output->pipe.close(ignored);
+    log_pipe.close(ignored);
     grace.cancel();
     if (pid <= 0) return;
     kill_group();
@@ -188,6 +222,7 @@ struct Child::Impl : std::enable_shared_from_this<Child::Impl> {
   ChildOptions options;
   asio::signal_set reaped;
   std::shared_ptr<Output> output;
+  asio::posix::stream_descriptor log_pipe;
   Timer grace;
   pid_t pid{-1};
 };

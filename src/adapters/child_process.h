@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/adapters/event_loop.h"
@@ -24,6 +25,8 @@ struct ChildExit {
 struct ChildOptions {
   std::vector<std::string> argv;  ///< argv[0] is searched in PATH unless it has a '/'
   std::string log_file;           ///< stderr (and stdout without on_line) is appended here; empty: inherited
+  /// Takes the same in place of log_file, as it is written: all of it before on_exit is called.
+  std::function<void(std::string_view bytes)> on_log;
   std::function<void(const std::string& line)> on_line;  ///< takes stdout, line by line
   std::function<void(const ChildExit&)> on_exit;
 };

@@ -62,6 +62,25 @@ class Lifeline {
   int end_{-1};
 };
 
+TEST(Child, gives_its_log_with_the_last_lines_before_its_exit) {
+  Fixture fixture;
+  std::string log;
+  std::string log_at_exit;
+  ChildOptions options;
+  options.argv = {"sh", "-c",
+                  "echo first >&2; i=0; while [ $i -lt 2000 ]; do echo line $i >&2; i=$((i+1)); done; kill -9 $$"};
+  options.on_log = [&](std::string_view bytes) { log += bytes; };
+  options.on_exit = [&](const ChildExit& e) {
+    fixture.exit = e;
+    log_at_exit = log;
+  };
+  const auto child = Child::start(fixture.loop, std::move(options)).value();
+  ASSERT_TRUE(fixture.until([&] { return fixture.exit.has_value(); }));
+  EXPECT_TRUE(log_at_exit.starts_with("first\n"));
+  EXPECT_TRUE(log_at_exit.ends_with("line 1999\n"));
+  EXPECT_EQ(fixture.exit->signal, SIGKILL);
+}
+
 TEST(Child, reports_how_it_ended) {
   Fixture fixture;
   const auto child = fixture.shell("exit 7");

@@ -16,7 +16,7 @@ using testing::timeout;
 /// A disk that accepts nothing until it is released.
 struct Disk {
   std::promise<void> let;
-  std::shared_future<void> may{let.get_future().share()};
+  std::shared_future<void> may{let.get_future()};
   std::promise<void> requested;
   bool was_requested{false};
   std::vector<std::string> written;

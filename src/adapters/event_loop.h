@@ -11,8 +11,8 @@ class io_context;
 
 namespace cosiva::adapters {
 
-/// The one Boost.Asio loop of a process: MQTT, sockets, HTTP, timers, signals and children all run on it, in one
-/// thread, so that no lock is needed. Asio's headers stay in the .cpp files.
+/// A Boost.Asio loop: MQTT, sockets, timers, signals and children of a part run on it, in one thread, so that no lock
+/// is needed. The page and Stop have loops of their own (LoopThread). Asio's headers stay in the .cpp files.
 class EventLoop {
  public:
   EventLoop();  ///< Also ignores SIGPIPE: a failed write shows that a peer has left.
@@ -27,7 +27,7 @@ class EventLoop {
   bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit);
   /// Handles events for this long.
   void run_for(std::chrono::milliseconds duration);
-  /// Runs `action` from the loop, after what is due now.
+  /// Runs `action` from the loop, after what is due now. Any thread may post.
   void post(std::function<void()> action);
   /// Calls `action` with the signal's number each time one of these arrives, from the loop.
   void on_signals(std::initializer_list<int> signals, std::function<void(int)> action);

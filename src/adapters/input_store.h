@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cosiva/base/result.h"
+#include "cosiva/journal/store/core_state.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::adapters {
@@ -28,12 +29,19 @@ class InputStore {
   /// Waits until everything is durable, or cannot be.
   virtual void drain() = 0;
 
-  /// What an earlier process left: the core's persisted state, and commands accepted that no core was given.
+  /// What an earlier process left.
   struct Left {
-    std::optional<std::string> persisted;
-    std::vector<wire::Input> accepted;
+    std::optional<journal::CoreState> state;  ///< the complete state of the core …
+    std::vector<wire::Input> inputs;  ///< … and the inputs that it has handled since; without a state all of them
+    std::optional<std::string> persisted;  ///< what the core persisted, where neither of both is there or fits
+    std::vector<wire::Input> accepted;     ///< commands that were accepted and that no core was given
   };
-  [[nodiscard]] virtual Left left() const = 0;
+  /// Once.
+  [[nodiscard]] virtual Left take_left() = 0;
+
+  /// Where the complete state of the core comes from, between two inputs; nothing: it has none.
+  using CompleteState = std::function<std::optional<journal::CoreState>()>;
+  virtual void set_complete_state(CompleteState source) = 0;
 
  protected:
   InputStore() = default;

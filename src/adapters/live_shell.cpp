@@ -2,11 +2,14 @@
 
 #include <unistd.h>
 
+#include <bit>
 #include <deque>
+#include <string_view>
 #include <utility>
 
 #include "cosiva/adapters/input_queue.h"
 #include "cosiva/adapters/live_links.h"
+#include "cosiva/adapters/log/log_limiter.h"
 #include "cosiva/adapters/state_file.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/journal/writer.h"
@@ -21,6 +24,21 @@ std::string log_line(SimTime at, const std::string& name, char level, const std:
   return to_iso8601(at) + " " + name + " " + word + text + "\n";
 }
 
+/// A full disk loses lines of the log, and not the log: the number of lost bytes is logged when there is room again.
+DiskWriter::Write loses_what_fails(DiskWriter::Write write) {
+  return [write = std::move(write), lost = std::size_t{0}](std::string_view bytes) mutable -> Result<void> {
+    if (lost > 0) {
+      if (!write("\n" + std::to_string(lost) + " bytes of this log are lost: it could not be written\n")) {
+        lost += bytes.size();
+        return {};
+      }
+      lost = 0;
+    }
+    if (!write(bytes)) lost += bytes.size();
+    return {};
+  };
+}
+
 }  // namespace
 
 /// A command that is durable in the store, and that the core was not given yet.
@@ -31,6 +49,12 @@ struct StoredCommand {
   InputStore::Decided decided;
 };
 
+/// The journal of a process that records its inputs.
+struct Recording {
+  std::unique_ptr<JournalFile> file;
+  std::optional<journal::Writer> writer;
+};
+
 struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   Impl(EventLoop& loop_, wire::Core& core_, LiveOptions options_, OpenPorts open_ports_)
       : loop{loop_},
@@ -38,12 +62,12 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
         options{std::move(options_)},
         open_ports{std::move(open_ports_)},
         runner{core_, [this](const wire::Input& input) { record(input); }},
-        log_writer{loop_, writes_to(STDERR_FILENO), {}},
+        log_writer{loop_, loses_what_fails(writes_to(STDERR_FILENO)), {}},
         inputs{[this](const wire::Input& input, InputQueue::Durable durable) { handle(input, std::move(durable)); }},
         tick_timer{loop_},
         links{loop_, handlers()} {}
 
-  void log(char level, const std::string& text) { log_writer.append(log_line(clock.now(), options.name, level, text)); }
+  void log(char level, const std::string& text) { limiter.log(clock.now(), level, text); }
 
   // --- inputs ------------------------------------------------------------------------------------------------------
 
@@ -71,20 +95,9 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   void handle(const wire::Input& input, InputQueue::Durable durable) {
     for (const wire::Effect& effect : runner.feed(input)) std::visit([this](const auto& e) { act(e); }, effect);
     complete(std::move(durable));
+    if (input.kind == wire::InputKind::tick) limiter.tick(input.at);
     give_earlier_commands();
     if (after_input) after_input();
-  }
-
-  /// In the order in which they were accepted, which is that of their records.
-  void give_earlier_commands() {
-    if (earlier_commands.empty() || (options.takes_earlier_commands && !options.takes_earlier_commands())) return;
-    for (StoredCommand& command : std::exchange(earlier_commands, {})) give(std::move(command));
-  }
-
-  void give(StoredCommand command) {
-    deliver(wire::InputKind::command, std::move(command.source), std::move(command.json), true,
-            std::move(command.decoded));
-    command.decided({});
   }
 
   /// The input and the state that it made the core persist are stored together.
@@ -102,8 +115,21 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
                 std::move(durable));
   }
 
+  /// In the order in which they were accepted, which is that of their records.
+  void give_earlier_commands() {
+    if (restarting.earlier_commands.empty() || !core.takes_earlier_commands()) return;
+    for (StoredCommand& command : std::exchange(restarting.earlier_commands, {})) give(std::move(command));
+  }
+
+  void give(StoredCommand command) {
+    deliver(wire::InputKind::command, std::move(command.source), std::move(command.json), true,
+            std::move(command.decoded));
+    command.decided({});
+  }
+
   void record(const wire::Input& input) {
-    if (writer) writer->append(input);
+    if (restarting.replays) return;
+    if (recording.writer) recording.writer->append(input);
     if (options.store) options.store->append(input);
   }
 
@@ -122,8 +148,8 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
                              if (!self) return;
                              if (!kept) return decided(kept);
                              StoredCommand stored{source, json, decoded, decided};
-                             if (self->earlier_commands.empty()) return self->give(std::move(stored));
-                             self->earlier_commands.push_back(std::move(stored));
+                             if (self->restarting.earlier_commands.empty()) return self->give(std::move(stored));
+                             self->restarting.earlier_commands.push_back(std::move(stored));
                            });
   }
 
@@ -131,7 +157,10 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   void act(const wire::Publish& publish) { links.act(publish); }
   void act(const wire::SendBytes& send) { links.act(send); }
-  void act(const wire::Listen& listen) { links.act(listen); }
+  void act(const wire::Listen& listen) {
+    restarting.listens = listen.filters;
+    links.act(listen);
+  }
   void act(const wire::Log& line) { log(line.level, line.text); }
   void act(const wire::Persist& persist) {
     if (options.store)
@@ -150,28 +179,65 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     auto file =
         JournalFile::create(loop, options.record_file, [this](const Error& error) { log('e', to_string(error)); });
     if (!file) return tl::unexpected(file.error());
-    journal = std::move(*file);
-    writer.emplace([this](std::string_view bytes) { journal->append(bytes); });
+    recording.file = std::move(*file);
+    recording.writer.emplace([this](std::string_view bytes) { recording.file->append(bytes); });
     return {};
   }
 
-  /// Gives the core what an earlier process left: its state, and the commands that were accepted from its users.
+  /// Gives the core what an earlier process left: its complete state, or else what it persisted; and the commands that
+  /// were accepted from its users.
   void restore() {
     InputStore::Left left;
-    if (options.store) left = options.store->left();
+    if (options.store) left = options.store->take_left();
     if (state_file) left.persisted = state_file->load();
-    if (left.persisted) deliver(wire::InputKind::restore, "state", std::move(*left.persisted));
+    if (continue_state(left)) {
+      deliver(wire::InputKind::link, {}, "down");
+    } else {
+      deliver(wire::InputKind::configure, options.kind, options.options);
+      if (left.persisted) deliver(wire::InputKind::restore, "state", std::move(*left.persisted));
+    }
     for (wire::Input& command : left.accepted)
-      earlier_commands.push_back(
+      restarting.earlier_commands.push_back(
           {std::move(command.source), std::move(command.payload), {}, [](const Result<void>&) {}});
     give_earlier_commands();
+  }
+
+  /// The effects of the earlier inputs are not acted upon again. A journal must begin with `configure`: a core that
+  /// records one does not continue.
+  bool continue_state(const InputStore::Left& left) {
+    if (recording.writer) return false;
+    if (left.state) {
+      if (const auto continued = core.continue_from(left.state->snapshot); !continued) {
+        log('w', "continues with the persisted state only: " + to_string(continued.error()));
+        return false;
+      }
+      runner.continue_history(std::bit_cast<Digest>(left.state->history));
+      restarting.listens = left.state->listens;
+    } else if (left.inputs.empty() || left.inputs.front().source != options.kind ||
+               left.inputs.front().payload != options.options) {
+      return false;
+    }
+    restarting.replays = true;
+    for (const wire::Input& input : left.inputs) {
+      for (const wire::Effect& effect : runner.feed(input))
+        if (const auto* listen = std::get_if<wire::Listen>(&effect)) restarting.listens = listen->filters;
+    }
+    restarting.replays = false;
+    if (!restarting.listens.empty()) links.act(wire::Listen{restarting.listens});
+    return true;
+  }
+
+  [[nodiscard]] std::optional<journal::CoreState> complete_state() const {
+    auto snapshot = core.snapshot();
+    if (!snapshot) return std::nullopt;
+    return journal::CoreState{std::move(*snapshot), runner.history().value(), restarting.listens};
   }
 
   Result<void> start() {
     if (auto opened = open_journal(); !opened) return opened;
     if (!options.state_file.empty() && !options.store) state_file.emplace(options.state_file);
     COSIVA_EXPECT(inputs.handled() == 0);
-    deliver(wire::InputKind::configure, options.kind, options.options);
+    if (options.store) options.store->set_complete_state([this] { return complete_state(); });
     restore();
     if (options.mqtt) {
       if (auto prepared = links.prepare(*options.mqtt, core, options.obeys_radio); !prepared) return prepared;
@@ -195,12 +261,13 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
     wire::Effects effects;
     core.farewell(at, effects);
     for (const wire::Effect& effect : effects) std::visit([this](const auto& e) { act(e); }, effect);
-    if (writer) {
-      writer->end(at, digest);
-      journal->flush();
+    if (recording.writer) {
+      recording.writer->end(at, digest);
+      recording.file->flush();
     }
     if (options.store) options.store->drain();
     links.stop([this, done, digest] {
+      limiter.flush();
       log_writer.drain();
       done(digest);
     });
@@ -213,11 +280,18 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
   WallClock clock;
   wire::CoreRunner runner;
   DiskWriter log_writer;  ///< on stderr: the reader of the log, or its disk, must not block us
-  std::unique_ptr<JournalFile> journal;
-  std::optional<journal::Writer> writer;
+  LogLimiter limiter{[this](char level, const std::string& text) {
+    log_writer.append(log_line(clock.now(), options.name, level, text));
+  }};
+  Recording recording;
   std::optional<StateFile> state_file;
   InputQueue inputs;
-  std::deque<StoredCommand> earlier_commands;  ///< of an earlier process, and behind them those accepted meanwhile
+  struct Restarting {
+    std::deque<StoredCommand> earlier_commands;  ///< of an earlier process, and behind them those accepted meanwhile
+    std::vector<std::string> listens;            ///< of the core's last Listen
+    bool replays{false};                         ///< the core is given inputs of an earlier process
+  };
+  Restarting restarting;
   Timer tick_timer;
   std::function<void()> after_input;
   LiveLinks links;  ///< last, so that they are destroyed first: their handlers use all of the above

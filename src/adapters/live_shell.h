@@ -27,9 +27,6 @@ struct LiveOptions {
   std::string state_file;   ///< empty: state that the core wants to persist is dropped, unless there is a store
   /// Keeps all inputs and the persisted state, in place of a state file; null: no store.
   std::shared_ptr<InputStore> store;
-  /// Whether the core can be given the commands that an earlier process accepted; until then they wait, and those
-  /// accepted meanwhile behind them. Empty: at once.
-  std::function<bool()> takes_earlier_commands;
   /// "CoSiVA/AIV2" for an *emulated* vehicle's program: it loses messages as described at wire::plant_radio_topic; its
   /// core is not informed, and the journal holds the messages that got through. Empty for everything physical.
   std::string obeys_radio;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <cerrno>
@@ -35,7 +36,7 @@ void initialise_library() {
 }
 
 std::string unique_name(const std::string& name) {
-  static unsigned counter = 0;
+  static std::atomic<unsigned> counter{0};  // the loops of a process have a thread each
   return name + "-" + std::to_string(::getpid()) + "-" + std::to_string(++counter);
 }
 
@@ -65,12 +66,46 @@ Result<MqttOptions> parse_broker_address(std::string_view text) {
   return options;
 }
 
+namespace {
+
+std::string broker_of(const MqttOptions& options) {
+  return "broker " + options.host + ":" + std::to_string(options.port);
+}
+
+/// Applies the options of TLS and user to a client.
+Result<void> secure(mosquitto* client, const MqttOptions& options) {
+  if (options.tls) {
+    const auto or_null = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
+    const MqttTls& tls = *options.tls;
+    const int rc = mosquitto_tls_set(client, or_null(tls.ca_file), nullptr, or_null(tls.certificate_file),
+                                     or_null(tls.key_file), nullptr);
+    if (rc != MOSQ_ERR_SUCCESS) {
+      return fail("mqtt.tls", std::string("TLS files cannot be used: ") + mosquitto_strerror(rc),
+                  tls.ca_file + " " + tls.certificate_file + " " + tls.key_file);
+    }
+  }
+  if (options.user.empty()) return {};
+  std::string password;
+  if (!options.password_file.empty()) {
+    std::ifstream file{options.password_file};
+    if (!std::getline(file, password))
+      return fail("mqtt.password", "no password could be read from its first line", options.password_file);
+  }
+  const int rc = mosquitto_username_pw_set(client, options.user.c_str(),
+                                           options.password_file.empty() ? nullptr : password.c_str());
+  if (rc != MOSQ_ERR_SUCCESS) return fail("mqtt.setup", std::string("user refused: ") + mosquitto_strerror(rc));
+  return {};
+}
+
+}  // namespace
+
 struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   Impl(EventLoop& loop_, MqttOptions options_, std::vector<std::string> subscriptions_, MqttHandlers handlers_)
       : loop{loop_},
         options{std::move(options_)},
-        subscriptions{std::move(subscriptions_)},
+        filters{std::move(subscriptions_), {}},
         handlers{std::move(handlers_)},
+        outgoing{options.outgoing},
         descriptor{loop_.context()},
         misc_timer{loop_},
         retry_timer{loop_},
@@ -80,8 +115,6 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   ~Impl() {
     if (client != nullptr) mosquitto_destroy(client);
   }
-
-  [[nodiscard]] std::string broker() const { return options.host + ":" + std::to_string(options.port); }
 
   void log(char level, const std::string& text) {
     if (text == last_logged) return;  // an unreachable broker is logged once, not at each attempt
@@ -112,31 +145,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
       if (rc != MOSQ_ERR_SUCCESS)
         return fail("mqtt.setup", std::string("last will refused: ") + mosquitto_strerror(rc));
     }
-    return secure();
-  }
-
-  Result<void> secure() {
-    if (options.tls) {
-      const auto or_null = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
-      const MqttTls& tls = *options.tls;
-      const int rc = mosquitto_tls_set(client, or_null(tls.ca_file), nullptr, or_null(tls.certificate_file),
-                                       or_null(tls.key_file), nullptr);
-      if (rc != MOSQ_ERR_SUCCESS) {
-        return fail("mqtt.tls", std::string("TLS files cannot be used: ") + mosquitto_strerror(rc),
-                    tls.ca_file + " " + tls.certificate_file + " " + tls.key_file);
-      }
-    }
-    if (options.user.empty()) return {};
-    std::string password;
-    if (!options.password_file.empty()) {
-      std::ifstream file{options.password_file};
-      if (!std::getline(file, password))
-        return fail("mqtt.password", "no password could be read from its first line", options.password_file);
-    }
-    const int rc = mosquitto_username_pw_set(client, options.user.c_str(),
-                                             options.password_file.empty() ? nullptr : password.c_str());
-    if (rc != MOSQ_ERR_SUCCESS) return fail("mqtt.setup", std::string("user refused: ") + mosquitto_strerror(rc));
-    return {};
+    return secure(client, options);
   }
 
   void start() {
@@ -158,14 +167,14 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
                          : mosquitto_reconnect_async(client);
     first = false;
     if (rc != MOSQ_ERR_SUCCESS || mosquitto_socket(client) < 0) {
-      log('w', "broker " + broker() + ": " + (rc == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(rc)) +
+      log('w', broker_of(options) + ": " + (rc == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(rc)) +
                    "; trying again");
       retry_later();
       return;
     }
     watchdog.after(options.connect_timeout, [weak = weak_from_this()] {
       if (const auto self = weak.lock(); self && !self->up) {
-        self->log('w', "broker " + self->broker() + ": no response in time; trying again");
+        self->log('w', broker_of(self->options) + ": no response in time; trying again");
         self->drop_connection();
         self->retry_later();
       }
@@ -214,7 +223,7 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
 
   void on_connect(int rc) {
     if (rc != 0) {
-      log('e', "broker " + broker() + " refuses: " + mosquitto_connack_string(rc));
+      log('e', broker_of(options) + " refuses: " + mosquitto_connack_string(rc));
       refused = true;
       return;  // the library closes the connection; after_library() detects that
     }
@@ -228,9 +237,10 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     last_logged.clear();
     up = true;
     ++counters.connections;
-    for (const std::string& filter : subscriptions) subscribe(filter, 1);
-    for (const std::string& filter : listens) subscribe(filter, 0);
+    for (const std::string& filter : filters.subscriptions) subscribe(filter, 1);
+    for (const std::string& filter : filters.listens) subscribe(filter, 0);
     if (handlers.on_link) handlers.on_link(true);
+    send_waiting();
   }
 
   void subscribe(const std::string& filter, int qos) {
@@ -238,16 +248,17 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     if (rc != MOSQ_ERR_SUCCESS) log('e', "cannot subscribe to " + filter + ": " + mosquitto_strerror(rc));
   }
 
-  void listen(std::vector<std::string> filters) {
-    const std::vector<std::string> before = std::exchange(listens, std::move(filters));
+  void listen(std::vector<std::string> wanted) {
+    std::ranges::sort(wanted);
+    const std::vector<std::string> before = std::exchange(filters.listens, std::move(wanted));
     if (!up) return;
     const auto among = [](const std::vector<std::string>& all, const std::string& one) {
-      return std::ranges::find(all, one) != all.end();
+      return std::ranges::binary_search(all, one);
     };
     for (const std::string& filter : before) {
-      if (!among(listens, filter)) mosquitto_unsubscribe(client, nullptr, filter.c_str());
+      if (!among(filters.listens, filter)) mosquitto_unsubscribe(client, nullptr, filter.c_str());
     }
-    for (const std::string& filter : listens) {
+    for (const std::string& filter : filters.listens) {
       if (!among(before, filter)) subscribe(filter, 0);
     }
     if (fd >= 0 && mosquitto_want_write(client)) wait_write();
@@ -255,11 +266,12 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
 
   void go_down() {
     release_socket();
+    outgoing.drop_unacknowledged();
     if (std::exchange(up, false)) {
-      log('w', "broker " + broker() + ": connection lost");
+      log('w', broker_of(options) + ": connection lost");
       if (!stopping && handlers.on_link) handlers.on_link(false);
     } else if (!refused && !stopping) {
-      log('w', "broker " + broker() + ": cannot connect; trying again");
+      log('w', broker_of(options) + ": cannot connect; trying again");
     }
     refused = false;
     if (stopping) {
@@ -312,20 +324,28 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
     busy = false;
     if (fd >= 0 && !lost && mosquitto_want_write(client)) {
       if (mosquitto_loop_write(client, 1) != MOSQ_ERR_SUCCESS) lost = true;
-      if (!lost && mosquitto_want_write(client)) wait_write();
     }
+    send_waiting();
+    if (fd >= 0 && !lost && mosquitto_want_write(client)) wait_write();
     if (fd >= 0 && (lost || mosquitto_socket(client) < 0)) {
       lost = false;
       go_down();
       return false;
     }
-    if (stopping && unacknowledged.empty() && fd >= 0 && !mosquitto_want_write(client)) finish();
+    if (stopping && unacknowledged.empty() && outgoing.empty() && fd >= 0 && !mosquitto_want_write(client)) finish();
     return fd >= 0;
   }
 
   void on_message(const mosquitto_message& message) {
     const int saved = errno;  // read() evaluates errno after the library's call
     ++counters.received;
+    if (static_cast<std::size_t>(message.payloadlen) > options.received_bytes_max) {
+      if (++counters.too_large == 1)
+        log('w', "a message of " + std::to_string(message.payloadlen) + " bytes on " +
+                     std::string(message.topic).substr(0, 120) + " is too large and ignored; further ones are counted");
+      errno = saved;
+      return;
+    }
     if (handlers.on_message && !stopping) {
       const char* payload = static_cast<const char*>(message.payload);
       handlers.on_message(message.topic,
@@ -336,7 +356,30 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
   }
 
   bool publish(const wire::Publish& message) {
-    if (!up && message.qos == 0) return false;
+    if (!up && message.qos == 0) {
+      outgoing.lose(message);
+      return false;
+    }
+    outgoing.push(message);
+    send_waiting();
+    if (fd >= 0 && !outgoing.empty()) wait_write();
+    return up;
+  }
+
+  /// A broker that reads slowly leaves bytes in the library, whose own queue has no limit.
+  void send_waiting() {
+    while (up && fd >= 0 && !lost && !outgoing.empty() && !mosquitto_want_write(client)) {
+      if (outgoing.front().qos > 0 && unacknowledged.size() >= unacknowledged_max) break;
+      send(*outgoing.pop());
+    }
+    // Commands are never dropped without a line in the log; for telemetry the count is enough.
+    if (const std::uint64_t commands = up ? outgoing.take_unreported() : 0; commands > 0 && handlers.on_log)
+      handlers.on_log('w', broker_of(options) + ": " + std::to_string(commands) +
+                               " orders and other commands could not be sent, " +
+                               std::to_string(outgoing.dropped().commands) + " so far");
+  }
+
+  void send(const wire::Publish& message) {
     int mid = 0;
     const int rc = mosquitto_publish(client, &mid, message.topic.c_str(), static_cast<int>(message.payload.size()),
                                      message.payload.data(), message.qos, message.retained);
@@ -356,7 +399,6 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
         if (const auto self = weak.lock(); self && mine == self->session) self->after_library();
       });
     }
-    return rc == MOSQ_ERR_SUCCESS;
   }
 
   // --- ending -----------------------------------------------------------------------------------------------------
@@ -392,9 +434,13 @@ struct MqttClient::Impl : std::enable_shared_from_this<MqttClient::Impl> {
 
   EventLoop& loop;
   MqttOptions options;
-  std::vector<std::string> subscriptions;
-  std::vector<std::string> listens;  ///< likewise, until the next call
+  struct Filters {
+    std::vector<std::string> subscriptions;
+    std::vector<std::string> listens;  ///< likewise, until the next call; sorted
+  };
+  Filters filters;
   MqttHandlers handlers;
+  OutgoingQueue outgoing;
   mosquitto* client{nullptr};
   asio::posix::stream_descriptor descriptor;
   Timer misc_timer;
@@ -445,6 +491,10 @@ bool MqttClient::connected() const { return impl_->up; }
 bool MqttClient::publish(const wire::Publish& message) { return impl_->publish(message); }
 void MqttClient::stop(std::function<void()> done) { impl_->stop(std::move(done)); }
 void MqttClient::listen(std::vector<std::string> filters) { impl_->listen(std::move(filters)); }
-const MqttClient::Counters& MqttClient::counters() const { return impl_->counters; }
+MqttClient::Counters MqttClient::counters() const {
+  Counters counters = impl_->counters;
+  counters.dropped = impl_->outgoing.dropped();
+  return counters;
+}
 
 }  // namespace cosiva::adapters

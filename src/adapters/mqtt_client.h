@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "cosiva/adapters/event_loop.h"
+#include "cosiva/adapters/outgoing_queue.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -29,7 +31,10 @@ struct MqttOptions {
   std::chrono::milliseconds connect_timeout{1000};
   std::optional<MqttTls> tls;
   std::string user;
-  std::string password_file;  ///< its first line; passwords are never passed in arguments or the environment
+  std::string password_file;         ///< its first line; passwords are never passed in arguments or the environment
+  OutgoingQueue::Limits outgoing{};  ///< of what waits for the connection, or for a broker that reads slowly
+  /// A larger payload is not passed on; the codecs refuse it, too.
+  std::size_t received_bytes_max{std::size_t{256} << 10U};
 };
 
 /// "HOST:PORT", "HOST", "[::1]:1883"; fails ("broker.address").
@@ -45,7 +50,8 @@ struct MqttHandlers {
 /// to 2 s), subscribes again each time, and gives an attempt up after `connect_timeout` (over TLS a broker that is down
 /// would otherwise be waited for without end).
 ///
-/// Invariant: the connection is up only while there is a socket.
+/// Invariant: the connection is up only while there is a socket, and what waits to be sent is bounded: in the library
+/// at most one message of QoS 0 and unacknowledged_max messages of QoS 1, the others in the OutgoingQueue.
 class MqttClient {
  public:
   /// Fails ("mqtt.tls", "mqtt.password", "mqtt.setup") when an option cannot be used. Nothing is sent before start().
@@ -58,7 +64,11 @@ class MqttClient {
 
   void start();
   [[nodiscard]] bool connected() const;
-  /// QoS 0 is dropped while there is no connection (false); QoS 1 is queued and sent when the connection is back.
+  /// The most messages of QoS 1 that are sent before the broker acknowledges one of them.
+  static constexpr std::size_t unacknowledged_max = 1'000;
+
+  /// QoS 0 is dropped while there is no connection (false); QoS 1 is queued (false) and sent when the connection is
+  /// back. True: sent, or will be sent as soon as the broker reads on.
   bool publish(const wire::Publish& message);
   /// Ends cleanly: waits (1 s at most) until everything published is sent and acknowledged, sends DISCONNECT, calls
   /// `done`.
@@ -72,8 +82,10 @@ class MqttClient {
     std::uint64_t received{};
     std::uint64_t published{};
     std::uint64_t connections{};
+    std::uint64_t too_large{};       ///< received and not passed on
+    OutgoingQueue::Dropped dropped;  ///< not sent
   };
-  [[nodiscard]] const Counters& counters() const;
+  [[nodiscard]] Counters counters() const;
 
  private:
   MqttClient();

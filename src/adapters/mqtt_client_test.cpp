@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <optional>
 
 #include "cosiva/adapters/broker.h"
+#include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_fixture.h"
 
 namespace cosiva::adapters {
@@ -122,6 +124,76 @@ TEST_F(Mqtt, retained_message_reaches_a_later_subscriber_with_its_flag) {
   Listener late{loop, broker->port(), {"zone"}};
   ASSERT_TRUE(until([&] { return late.received_all(1); }));
   EXPECT_THAT(late.received, ElementsAre("*zone=lacet4"));
+}
+
+TEST_F(Mqtt, private_broker_has_bounded_queues_and_messages) {
+  const std::string configuration = read_file(scratch / "mosquitto.conf").value();
+  for (const char* bounded :
+       {"max_inflight_messages", "max_queued_messages", "max_queued_bytes", "memory_limit", "max_packet_size"}) {
+    const std::size_t at = configuration.find(bounded);
+    ASSERT_NE(at, std::string::npos) << bounded;
+    EXPECT_GT(std::stoull(configuration.substr(at + std::string(bounded).size())), 0U) << bounded;
+  }
+}
+
+TEST_F(Mqtt, message_larger_than_the_limit_is_not_passed_on_and_logged_once) {
+  MqttOptions options;
+  options.port = broker->port();
+  options.received_bytes_max = 1'000;
+  std::vector<std::size_t> received;
+  std::vector<std::string> log;
+  MqttHandlers handlers;
+  handlers.on_message = [&](std::string_view, std::string_view payload, bool) { received.push_back(payload.size()); };
+  handlers.on_log = [&](char, const std::string& text) { log.push_back(text); };
+  const auto client = MqttClient::make(loop, options, {"a"}, std::nullopt, std::move(handlers)).value();
+  client->start();
+  ASSERT_TRUE(until([&] { return client->connected(); }));
+  for (const std::size_t bytes : {1'000U, 1'001U, 5'000U, 3U})
+    client->publish({"a", std::string(bytes, 'x'), 1, false});
+  ASSERT_TRUE(until([&] { return client->counters().received == 4; }));
+  EXPECT_THAT(received, ElementsAre(1'000U, 3U));
+  EXPECT_EQ(client->counters().too_large, 2U);
+  EXPECT_THAT(log, ElementsAre("a message of 1001 bytes on a is too large and ignored; further ones are counted"));
+}
+
+TEST_F(Mqtt, messages_to_a_broker_that_does_not_read_occupy_bounded_memory_and_orders_are_sent_first) {
+  Listener listener{loop, broker->port(), {"state", "x/order"}};
+  ASSERT_TRUE(until_listening(listener, "state"));
+  MqttOptions options;
+  options.port = broker->port();
+  options.outgoing = {.bytes_max = 300'000, .messages_max = 1'000};
+  std::vector<std::string> log;
+  MqttHandlers handlers;
+  handlers.on_log = [&](char, const std::string& text) { log.push_back(text); };
+  const auto client = MqttClient::make(loop, options, {}, std::nullopt, std::move(handlers)).value();
+  client->start();
+  ASSERT_TRUE(until([&] { return client->connected(); }));
+  broker->child()->signal(SIGSTOP);
+  const std::string state(2'500, 'x');
+  for (int i = 0; i < 10; ++i) client->publish({"x/order", "order " + std::to_string(i), 0, false});
+  // 25 MB: more than the buffers of the sockets.
+  for (int i = 0; i < 10'000; ++i) {
+    client->publish({"state", state, 0, false});
+    if (i == 9'000) client->publish({"x/order", "order in between", 0, false});
+  }
+  EXPECT_GT(client->counters().dropped.telemetry, 1'000U);
+  EXPECT_EQ(client->counters().dropped.commands, 0U);
+  broker->child()->signal(SIGCONT);
+  ASSERT_TRUE(until(
+      [&] { return std::ranges::find(listener.received, "x/order=order in between") != listener.received.end(); }));
+  EXPECT_EQ(std::ranges::count_if(listener.received, [](const auto& one) { return one.starts_with("x/order="); }), 11);
+  EXPECT_THAT(log, ::testing::IsEmpty());
+}
+
+TEST_F(Mqtt, orders_without_a_connection_are_counted_and_logged_once_it_is_back) {
+  Listener listener{loop, broker->port(), {}};
+  EXPECT_FALSE(listener.client->publish({"x/order", "1", 0, false})) << "not connected yet";
+  EXPECT_FALSE(listener.client->publish({"x/state", "1", 0, false}));
+  EXPECT_EQ(listener.client->counters().dropped.commands, 1U);
+  EXPECT_EQ(listener.client->counters().dropped.telemetry, 1U);
+  ASSERT_TRUE(until_connected(listener));
+  EXPECT_THAT(listener.log, ElementsAre("broker 127.0.0.1:" + std::to_string(broker->port()) +
+                                        ": 1 orders and other commands could not be sent, 1 so far"));
 }
 
 TEST_F(Mqtt, thousand_messages_at_once_arrive_in_order) {

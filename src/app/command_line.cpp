@@ -11,6 +11,7 @@
 #include "cosiva/app/platform/command_line_platform.h"
 #include "cosiva/app/positioning/command_line_campaign.h"
 #include "cosiva/app/positioning/command_line_qualify.h"
+#include "cosiva/app/simulate/command_line_simulate.h"
 #include "cosiva/app/traffic/command_line_traffic.h"
 #include "cosiva/app/traffic/traffic_command.h"
 #include "cosiva/app/zone/command_line_zone.h"
@@ -61,6 +62,8 @@ int run_command_line(int argc, const char* const* argv) {
 
   JournalArguments journal;
   const JournalCommands journal_commands = describe_journal(root, journal);
+  SimulateArguments simulate;
+  const Command simulate_command = describe_simulate(root, simulate);
 
   if (const auto status = line.parse(argc, argv)) return *status;
   if (const auto status = run_platform_command(platform_commands, platform)) return *status;
@@ -76,6 +79,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (const auto status = run_qualify_command(qualify_commands, qualify, argc, argv)) return *status;
   if (const auto status = run_gvs_command(gvs_commands, gvs)) return *status;
   if (const auto status = run_journal_command(journal_commands, journal)) return *status;
+  if (const auto status = run_simulate_command(simulate_command, simulate)) return *status;
   if (journal_commands.journal.chosen())
     return journal_commands.journal.refuse("a subcommand is missing: list, verify, export, compact or repair");
   if (gvs_commands.gvs.chosen())

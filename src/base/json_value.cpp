@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/json_parse_count.h"
 
 namespace cosiva {
@@ -91,5 +92,7 @@ std::optional<bool> JsonValue::flag(std::string_view key) const {
   const bool* value = member == nullptr ? nullptr : member->flag();
   return value == nullptr ? std::nullopt : std::optional(*value);
 }
+
+void JsonValue::archive(Archive& archive) { archive(value_); }
 
 }  // namespace cosiva

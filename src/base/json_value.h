@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 
 namespace cosiva {
@@ -38,6 +39,7 @@ class JsonValue {
   [[nodiscard]] std::optional<double> number(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
   [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::variant<std::monostate, bool, double, std::string, Array, Object> value_;

@@ -14,14 +14,24 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
 #include "cosiva/hmi/server_page.h"
+#include "cosiva/hmi/stop_book.h"
+#include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::app {
 
+/// A zone of a request, with the command that switches to it, decoded and the zone built.
+struct GivenZone {
+  zone::ZoneConfiguration configuration;
+  std::string command;
+  std::shared_ptr<const virtual_side::DecodedCommand> decoded;
+};
+
 /// One request, parsed.
 struct Call {
-  const adapters::HttpRequest& request;
-  std::vector<std::string> arguments;  ///< the path's parts at the pattern's {…}, in their order
-  JsonValue body;                      ///< an object, where the route requires one
+  adapters::HttpRequest request;
+  std::vector<std::string> arguments;     ///< the path's parts at the pattern's {…}, in their order
+  JsonValue body;                         ///< an object, where the route requires one
+  std::shared_ptr<const GivenZone> zone;  ///< where the route takes a zone; the body is then empty
 };
 
 /// What the calls of one page have in common: the host whose core they use, and the obstacles of an emulated world.
@@ -46,6 +56,8 @@ class CallContext {
   void on_decided(std::function<void()> action) { on_decided_ = std::move(action); }
   /// Why a command since the last call could not be stored; nothing where all could.
   [[nodiscard]] std::optional<Error> take_failure() { return std::exchange(failure_, std::nullopt); }
+  /// The Stops of the page; their book may be used from any thread.
+  [[nodiscard]] const std::shared_ptr<StopBook>& stops() const { return stops_; }
   /// The clock of the run; the wall's where the host has none of its own.
   [[nodiscard]] PageHost::Clock clock() const;
 
@@ -63,6 +75,7 @@ class CallContext {
 
  private:
   PageHost host_;
+  std::shared_ptr<StopBook> stops_{std::make_shared<StopBook>()};
   std::size_t undecided_{0};
   std::optional<Error> failure_;
   std::function<adapters::HttpResponse()> response_;

@@ -5,6 +5,7 @@
 #include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
+#include "cosiva/hmi/stop_calls.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::app {
@@ -27,10 +28,10 @@ HttpResponse removed_response(std::size_t count) {
   return json_response(json.take());
 }
 
-/// {"command":verb,"virtualObject":{"id":…, and the fields of the body except its own id}}
-std::string virtual_object_command(std::string_view verb, const std::string& id, const JsonValue& body) {
+/// {"command":command,"virtualObject":{"id":…, and the fields of the body except its own id}}
+std::string virtual_object_command(std::string_view command, const std::string& id, const JsonValue& body) {
   JsonWriter json;
-  json.begin_object().field("command", verb).key("virtualObject").begin_object().field("id", id);
+  json.begin_object().field("command", command).key("virtualObject").begin_object().field("id", id);
   for (const auto& [name, value] : *body.object())
     if (name != "id") write_json(json.key(name), value);
   json.end_object().end_object();
@@ -66,6 +67,10 @@ std::size_t count_virtual(const virtual_side::ServerCore& core) {
 }  // namespace
 
 HttpResponse post_command(CallContext& context, const Call& call) {
+  if (is_stop(call.body)) {
+    const auto stop = read_stop(call.body, context.stops()->begin());
+    return stop ? give_stop(context, *stop) : refusal(stop.error());
+  }
   const std::string id = context.host().core->next_command_id();
   JsonWriter json;
   json.begin_object().field("id", id);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <variant>
 
 #include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/hmi/clock_calls.h"
@@ -32,6 +33,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"GET", "/api/v1/traces", none, &get_traces},
       {"GET", "/api/v1/traces/{n}", none, &get_trace},
       {"POST", "/api/v1/commands", object, &post_command},
+      {"GET", "/api/v1/commands/{id}", none, &get_command},
       {"GET", "/api/v1/battery/curves/{id}", none, &get_battery_curve},
       {"GET", "/api/v1/gvs/preview", none, &get_gvs_preview},
       {"POST", "/api/v1/battery/ready", object, &post_battery_ready},
@@ -40,7 +42,7 @@ std::span<const PageCalls::Route> PageCalls::routes() {
       {"PATCH", "/api/v1/virtual-objects/{id}", object, &move_virtual_object},
       {"DELETE", "/api/v1/virtual-objects/{id}", none, &remove_virtual_object},
       {"PUT", "/api/v1/priorities", object, &put_priorities},
-      {"POST", "/api/v1/zone/switch", object, &switch_zone},
+      {"POST", "/api/v1/zone/switch", zone, &switch_zone},
       {"POST", "/api/v1/zone/edit", object, &edit_zone},
       {"POST", "/api/v1/zone/undo", none, &undo_zone},
       {"POST", "/api/v1/zone/redo", none, &redo_zone},
@@ -73,11 +75,18 @@ std::optional<std::vector<std::string>> match(std::string_view pattern, const st
   return arguments;
 }
 
-/// Whether a request is a Stop: the command that must not wait for the disk, nor for other changes.
-bool is_stop(const HttpRequest& request) {
-  if (request.method != "POST" || request.path != "/api/v1/commands") return false;
-  const auto body = JsonValue::parse(request.body, virtual_side::DecodedCommand::vehicle_command_bytes_max);
-  return body && body->text("command") == "stop";
+/// Whether a call is a Restart of one of these vehicles ("*": all).
+bool restarts(const PageCalls::ReadCall& read, const std::vector<std::string>& vehicles) {
+  if (read.route->handler != &post_command || read.call.body.text("command") != "restart") return false;
+  const virtual_side::DecodedCommand decoded{read.call.request.body};
+  if (!decoded.command()) return false;
+  const auto* command = std::get_if<virtual_side::VehicleCommand>(&*decoded.command());
+  if (command == nullptr) return false;
+  const auto has = [](const std::vector<std::string>& names, std::string_view name) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  if (has(vehicles, "*") || has(command->vehicle_names, "*")) return true;
+  return std::ranges::any_of(vehicles, [&](const std::string& name) { return has(command->vehicle_names, name); });
 }
 
 Result<JsonValue> object_of(const std::string& body) {
@@ -94,33 +103,11 @@ PageCalls::PageCalls(PageHost host) : context_{std::move(host)} {
   context_.on_decided([this] { handle_changes(); });
 }
 
-HttpResponse PageCalls::respond(const HttpRequest& request) {
-  if (!adapters::http_rules::changes_state(request.method) || is_stop(request)) return response(request);
-  HttpResponse later;
-  later.later = [this, request](Respond respond) {
-    changes_.push_back({request, std::move(respond), std::nullopt});
-    handle_changes();
-  };
-  return later;
+bool PageCalls::takes_zone(const HttpRequest& request) {
+  return request.method == "POST" && request.path == switch_path;
 }
 
-void PageCalls::handle_changes() {
-  // A command that is decided at once calls this function from within.
-  if (std::exchange(handling_, true)) return;
-  while (!changes_.empty()) {
-    Change& change = changes_.front();
-    if (!change.response) change.response = response(change.request);
-    if (context_.undecided() > 0) break;
-    const auto failure = context_.take_failure();
-    const auto made = context_.take_response();
-    const Change done = std::move(change);
-    changes_.pop_front();
-    done.respond(failure ? refusal(*failure) : made ? made() : *done.response);
-  }
-  handling_ = false;
-}
-
-HttpResponse PageCalls::response(const HttpRequest& request) {
+tl::expected<PageCalls::ReadCall, HttpResponse> PageCalls::read(HttpRequest request, const ZoneLibrary& zones) {
   std::string allowed;
   for (const Route& route : routes()) {
     auto arguments = match(route.pattern, request.segments);
@@ -129,22 +116,92 @@ HttpResponse PageCalls::response(const HttpRequest& request) {
       allowed += (allowed.empty() ? "" : ", ") + std::string(route.method);
       continue;
     }
-    Call call{request, std::move(*arguments), {}};
-    if (route.body == Route::Body::object) {
-      auto body = object_of(request.body);
-      if (!body) return refusal(body.error());
-      call.body = std::move(*body);
-    }
-    HttpResponse response = route.handler(context_, call);
-    if (context_.undecided() > 0) return response;
-    const auto made = context_.take_response();
-    return made ? made() : response;
+    ReadCall read{&route, {std::move(request), std::move(*arguments), {}, {}}};
+    if (route.body == Route::Body::none) return read;
+    auto body = object_of(read.call.request.body);
+    if (!body) return tl::unexpected(refusal(body.error()));
+    read.call.body = std::move(*body);
+    if (route.body == Route::Body::object) return read;
+    auto zone = read_zone(zones, read.call);
+    if (!zone) return tl::unexpected(std::move(zone.error()));
+    read.call.zone = std::move(*zone);
+    read.call.body = {};
+    read.call.request.body.clear();
+    return read;
   }
   if (allowed.empty())
-    return http_error(404, "http.not_found", "there is no call " + request.path + "; GET /api lists those there are");
+    return tl::unexpected(
+        http_error(404, "http.not_found", "there is no call " + request.path + "; GET /api lists those there are"));
   HttpResponse wrong = http_error(405, "http.method", request.path + " is requested with " + allowed);
   wrong.headers.emplace_back("Allow", allowed);
-  return wrong;
+  return tl::unexpected(std::move(wrong));
+}
+
+void PageCalls::handle(ReadCall read, Respond respond) {
+  const bool is_change = adapters::http_rules::changes_state(read.route->method);
+  if (is_change && read.route->handler == &post_command && is_stop(read.call.body)) {
+    const auto given = read_stop(read.call.body, context_.stops()->begin());
+    return respond(given ? stop(*given) : refusal(given.error()));
+  }
+  if (!is_change) return respond(response(read));
+  changes_.push_back({std::move(read), std::move(respond), std::nullopt});
+  handle_changes();
+}
+
+HttpResponse PageCalls::stop(const StopRequest& stop) {
+  if (refuse_restarts(stop.vehicles)) stops_to_repeat_.push_back(stop);
+  return give_stop(context_, stop);
+}
+
+bool PageCalls::refuse_restarts(const std::vector<std::string>& vehicles) {
+  bool given = false;
+  for (auto change = changes_.begin(); change != changes_.end();) {
+    if (!restarts(change->read, vehicles)) {
+      ++change;
+      continue;
+    }
+    given = given || change->response;
+    if (change->response) {
+      ++change;
+      continue;
+    }
+    const Respond respond = std::move(change->respond);
+    change = changes_.erase(change);
+    respond(http_error(409, "command.stopped", "a Stop was sent after this Restart; restart again where that is safe"));
+  }
+  return given;
+}
+
+void PageCalls::handle_changes() {
+  // A command that is decided at once calls this function from within.
+  if (std::exchange(handling_, true)) return;
+  while (!changes_.empty()) {
+    Change& change = changes_.front();
+    if (!change.response) change.response = response(change.read);
+    if (context_.undecided() > 0) break;
+    const auto failure = context_.take_failure();
+    const auto made = context_.take_response();
+    const Change done = std::move(change);
+    changes_.pop_front();
+    done.respond(failure ? refusal(*failure) : made ? made() : *done.response);
+    // With an action of its own: the vehicle has performed the first one.
+    for (const StopRequest& stop : std::exchange(stops_to_repeat_, {}))
+      if (const auto again = read_stop(*JsonValue::parse(stop.json), context_.stops()->begin()))
+        (void)give_stop(context_, *again);
+  }
+  handling_ = false;
+}
+
+HttpResponse PageCalls::response(const ReadCall& read) {
+  HttpResponse response = read.route->handler(context_, read.call);
+  if (context_.undecided() > 0) return response;
+  const auto made = context_.take_response();
+  return made ? made() : response;
+}
+
+HttpResponse PageCalls::response(const HttpRequest& request) {
+  auto read = PageCalls::read(request, *host().zones);
+  return read ? response(*read) : std::move(read.error());
 }
 
 }  // namespace cosiva::app

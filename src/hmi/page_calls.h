@@ -9,9 +9,11 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
+#include "cosiva/hmi/stop_calls.h"
 
 namespace cosiva::app {
 
@@ -28,11 +30,26 @@ class PageCalls {
  public:
   explicit PageCalls(PageHost host);
 
-  /// The response to a request; to one that changes something only once its commands are durable (HttpResponse::later).
-  /// Changes are handled one after the other, so that each is checked against what the one before has made of the
-  /// platform. A Stop waits for nothing.
-  [[nodiscard]] adapters::HttpResponse respond(const adapters::HttpRequest& request);
-  /// Handles a request now; the commands that it gave may not be decided yet.
+  struct Route;
+  /// A request that has been read: its call and its body.
+  struct ReadCall {
+    const Route* route;
+    Call call;
+  };
+  using Respond = std::function<void(adapters::HttpResponse)>;
+  /// Whether a request is the call whose body may be long, with a zone that read() builds: that may take seconds.
+  [[nodiscard]] static bool takes_zone(const adapters::HttpRequest& request);
+  /// Reads a request, without the core: any thread may. The error is the response to a request that is no call.
+  [[nodiscard]] static tl::expected<ReadCall, adapters::HttpResponse> read(adapters::HttpRequest request,
+                                                                           const ZoneLibrary& zones);
+  /// Handles a call. A call that changes something is responded to once its commands are durable. Changes are handled
+  /// one after the other, so that each is checked against what the one before has made of the platform. A Stop waits
+  /// for nothing.
+  void handle(ReadCall read, Respond respond);
+  /// Gives the core a Stop at once. A Restart of the same vehicles that was sent earlier and still waits does not lift
+  /// it: one that waits for its turn is refused, and after the one that waits for the disk the Stop is given again.
+  [[nodiscard]] adapters::HttpResponse stop(const StopRequest& stop);
+  /// Reads and handles a request now; the commands that it gave may not be decided yet.
   [[nodiscard]] adapters::HttpResponse response(const adapters::HttpRequest& request);
 
   /// The obstacles that the emulated world reports: the only ones that can be removed.
@@ -40,8 +57,8 @@ class PageCalls {
 
   struct Route {
     std::string_view method;
-    std::string_view pattern;  ///< "/api/v1/virtual-objects/{id}"
-    enum class Body : std::uint8_t { none, object } body;
+    std::string_view pattern;                                    ///< "/api/v1/virtual-objects/{id}"
+    enum class Body : std::uint8_t { none, object, zone } body;  ///< `zone`: an object, from which read() makes a zone
     adapters::HttpResponse (*handler)(CallContext&, const Call&);
   };
   [[nodiscard]] static std::span<const Route> routes();
@@ -51,16 +68,19 @@ class PageCalls {
   [[nodiscard]] const CallContext& context() const { return context_; }
 
  private:
-  using Respond = std::function<void(adapters::HttpResponse)>;
+  [[nodiscard]] adapters::HttpResponse response(const ReadCall& read);
   /// A change that waits for its turn, or, the first one, for its commands to be decided.
   struct Change {
-    adapters::HttpRequest request;
+    ReadCall read;
     Respond respond;
     std::optional<adapters::HttpResponse> response;  ///< that counts when its commands are stored
   };
   void handle_changes();
+  /// Refuses the waiting Restarts of these vehicles; whether one of them has been given already.
+  bool refuse_restarts(const std::vector<std::string>& vehicles);
 
   CallContext context_;
+  std::vector<StopRequest> stops_to_repeat_;  ///< once the first of the changes is decided
   std::deque<Change> changes_;
   bool handling_{false};
 };

@@ -14,6 +14,7 @@ using adapters::HttpRequest;
 using adapters::HttpResponse;
 using fixture::PageFixture;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// The page's calls with a disk that decides when the test is true.
 class SlowDisk : public ::testing::Test {
@@ -41,11 +42,12 @@ class SlowDisk : public ::testing::Test {
   /// Sends a request; its response is added to `statuses` when it comes.
   void send(const std::string& method, const std::string& path, const std::string& body = {}) {
     const auto arrived = [this](const HttpResponse& response) { statuses.push_back(response.status); };
-    const HttpResponse response = calls->respond({method, path, "", body, *adapters::http_rules::path_segments(path)});
-    if (response.later)
-      response.later(arrived);
+    auto read =
+        PageCalls::read({method, path, "", body, *adapters::http_rules::path_segments(path)}, *calls->host().zones);
+    if (read)
+      calls->handle(std::move(*read), arrived);
     else
-      arrived(response);
+      arrived(read.error());
   }
   void decide(const Result<void>& kept = {}) {
     ASSERT_FALSE(waiting.empty());
@@ -81,6 +83,45 @@ TEST_F(SlowDisk, does_not_delay_a_stop_behind_other_changes) {
   send("POST", "/api/v1/commands", R"({"command":"stop","vehicle":"*"})");
   EXPECT_THAT(statuses, ElementsAre(202U));
   EXPECT_EQ(page.commands.size(), 1U);
+}
+
+constexpr const char* stop_first = R"({"command":"stop","vehicle":"CoSiVA/AIV1"})";
+constexpr const char* restart_first = R"({"command":"restart","vehicle":"CoSiVA/AIV1"})";
+
+TEST_F(SlowDisk, does_not_let_an_earlier_restart_lift_a_stop) {
+  send("POST", "/api/v1/commands", restart_first);
+  send("POST", "/api/v1/commands", stop_first);
+  EXPECT_THAT(statuses, ElementsAre(202U)) << "the Stop";
+  ASSERT_EQ(page.commands.size(), 1U);
+  const std::string first = page.commands.front();
+  decide();
+  EXPECT_THAT(statuses, ElementsAre(202U, 202U));
+  ASSERT_EQ(page.commands.size(), 3U);
+  EXPECT_THAT(page.commands[1], HasSubstr("restart"));
+  EXPECT_THAT(page.commands[2], HasSubstr(R"("command":"stop")"));
+  EXPECT_NE(page.commands[2], first) << "a vehicle performs an action once";
+  page.server.run_for(std::chrono::seconds{3});
+  EXPECT_EQ(page.server.aiv("CoSiVA/AIV1").flag("paused"), true);
+}
+
+TEST_F(SlowDisk, refuses_an_earlier_restart_that_waits_for_its_turn) {
+  send("POST", "/api/v1/virtual-objects", person);
+  send("POST", "/api/v1/commands", restart_first);
+  send("POST", "/api/v1/commands", R"({"command":"restart","vehicle":"CoSiVA/AIV2"})");
+  send("POST", "/api/v1/commands", stop_first);
+  EXPECT_THAT(statuses, ElementsAre(409U, 202U));
+  decide();
+  decide();
+  EXPECT_THAT(statuses, ElementsAre(409U, 202U, 201U, 202U)) << "another vehicle's Restart is not refused";
+  EXPECT_EQ(page.commands.size(), 3U);
+}
+
+TEST_F(SlowDisk, lets_a_later_restart_lift_a_stop) {
+  send("POST", "/api/v1/commands", stop_first);
+  send("POST", "/api/v1/commands", restart_first);
+  decide();
+  EXPECT_THAT(statuses, ElementsAre(202U, 202U));
+  EXPECT_THAT(page.commands.back(), HasSubstr("restart"));
 }
 
 TEST_F(SlowDisk, has_each_change_checked_against_what_the_one_before_has_made) {

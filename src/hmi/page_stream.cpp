@@ -34,7 +34,14 @@ constexpr int snapshot_ratio = 10;
 PageStream::PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source)
     : http_{http}, source_{std::move(source)}, heartbeat_{loop}, change_{loop}, frames_{heartbeats_per_second} {
   heartbeat_.every(heartbeat_period, [this] { position_heartbeat(); });
-  http_.on_join([this] { join(); });
+  http_.on_join([&loop, weak = std::weak_ptr<PageStream*>(self_)](std::function<void()> ready) {
+    loop.post([weak, ready = std::move(ready)] {
+      const auto self = weak.lock();
+      if (!self) return;
+      (*self)->join();
+      ready();
+    });
+  });
 }
 
 void PageStream::send(Kind kind, std::string frame, bool keep) const {
@@ -85,8 +92,7 @@ void PageStream::detect_change() {
 
 void PageStream::send_zone() {
   const std::uint64_t revision = source_.zone_revision();
-  if (zone_sent_ && revision == zone_revision_) return;
-  zone_sent_ = true;
+  if (revision == zone_revision_) return;
   zone_revision_ = revision;
   send(zone_frame, R"({"type":"zone","zone":)" + source_.zone_json() + "}", true);
 }
@@ -122,8 +128,8 @@ void PageStream::send_positions() {
   send(frame.key ? key_frame : delta_frame, std::move(frame.bytes), frame.key);
 }
 
-void PageStream::ground_truth(const JsonValue& ground_truth) {
-  if (no_listener()) return;
+void PageStream::send_ground_truth(adapters::HttpServer& http, const JsonValue& ground_truth) {
+  if (http.live_clients() == 0) return;
   JsonWriter json;
   json.begin_object().field("type", "ground_truth");
   for (const char* part : {"vehicles", "obstacles"}) {
@@ -134,7 +140,7 @@ void PageStream::ground_truth(const JsonValue& ground_truth) {
       json.key(part).begin_array().end_array();
   }
   json.end_object();
-  send(ground_truth_frame, json.take(), false);
+  http.send_live(ground_truth_frame, std::make_shared<const std::string>(json.take()));
 }
 
 }  // namespace cosiva::app

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,14 +33,15 @@ struct StreamSource {
 /// Invariant: positions are sent only after the first client's key frame was requested.
 class PageStream {
  public:
+  /// @param loop  of the data; the server may have another one
   PageStream(adapters::EventLoop& loop, adapters::HttpServer& http, StreamSource source);
 
   /// A client has joined: the frames stored for new clients are renewed if they are old.
   void join();
   /// The core has handled an input.
   void changed();
-  /// Sends the emulated world's ground truth on, its vehicles and obstacles only.
-  void ground_truth(const JsonValue& ground_truth);
+  /// Sends the emulated world's ground truth on, its vehicles and obstacles only. Any thread may.
+  static void send_ground_truth(adapters::HttpServer& http, const JsonValue& ground_truth);
 
   /// Kinds of live frames, in the order in which one client gets its waiting frames.
   enum Kind : std::size_t { zone_frame, run_frame, snapshot_frame, ground_truth_frame, key_frame, delta_frame };
@@ -65,8 +67,7 @@ class PageStream {
   bool idle_{true};  ///< no client listened at the last period: the stored frames are old
   std::uint64_t heartbeats_{0};
 
-  std::uint64_t zone_revision_{0};
-  bool zone_sent_{false};
+  std::optional<std::uint64_t> zone_revision_;  ///< as last sent
   virtual_side::ServerCore::PageRevision revision_{};
   std::string run_;  ///< as last sent, without its time
   Clock::time_point next_snapshot_{};
@@ -74,6 +75,7 @@ class PageStream {
   Clock::time_point no_event_before_{};
   virtual_side::PositionFrames frames_;
   std::vector<virtual_side::PositionRecord> records_;
+  std::shared_ptr<PageStream*> self_{std::make_shared<PageStream*>(this)};  ///< for actions that may come too late
 };
 
 }  // namespace cosiva::app

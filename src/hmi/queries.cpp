@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 
+#include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/openapi.h"
@@ -32,8 +33,17 @@ HttpResponse get_openapi(CallContext&, const Call&) { return json_response(std::
 
 HttpResponse get_zone(CallContext& context, const Call&) { return json_response(context.host().core->zone_json()); }
 
-HttpResponse get_snapshot(CallContext& context, const Call&) {
-  return json_response(context.host().core->snapshot_json());
+HttpResponse get_snapshot(CallContext& context, const Call&) { return json_response(snapshot_json(context.host())); }
+
+std::string snapshot_json(const PageHost& host) {
+  std::string snapshot = host.core->snapshot_json();
+  if (!host.parts_json) return snapshot;
+  const std::string parts = host.parts_json();
+  // The file is another program's: what is no array is not shown.
+  const auto read = JsonValue::parse(parts);
+  if (!read || read->array() == nullptr || snapshot.empty()) return snapshot;
+  snapshot.pop_back();
+  return snapshot + R"(,"parts":)" + parts + "}";
 }
 
 HttpResponse get_bijection(CallContext& context, const Call&) {

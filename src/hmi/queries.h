@@ -28,6 +28,8 @@ namespace cosiva::app {
 /// The latest image of the GVS as Netpbm; 404 where there is no recent one.
 [[nodiscard]] adapters::HttpResponse get_gvs_preview(CallContext& context, const Call& call);
 
+/// The body of `GET /api/v1/snapshot`: the core's, and the parts of the platform where they are known.
+[[nodiscard]] std::string snapshot_json(const PageHost& host);
 /// The body of `GET /api/v1/run`.
 [[nodiscard]] std::string run_json(const CallContext& context);
 

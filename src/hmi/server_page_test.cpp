@@ -7,7 +7,9 @@
 
 #include <array>
 #include <cstring>
+#include <future>
 #include <map>
+#include <thread>
 
 #include "cosiva/adapters/test_fixture.h"
 #include "cosiva/base/json_value.h"
@@ -231,6 +233,45 @@ TEST_F(Page, sends_vehicles_and_obstacles_of_the_ground_truth_and_nothing_else) 
             R"("obstacles":[{"id":"box1","x":1,"y":2,"radius":0.05}]})");
   EXPECT_EQ(client.count("zone"), 1U);
   EXPECT_THAT(send_request("DELETE /api/v1/plant/obstacles/box1"), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(Page, publishes_a_stop_and_responds_while_the_loop_of_the_core_is_blocked) {
+  PageHost host = fixture.host();
+  std::promise<std::string> published;
+  host.stop_line.send = [&](const std::string& id, const std::vector<std::string>&) {
+    published.set_value(id);
+    return true;
+  };
+  const auto other = ServerPage::open(loop, std::move(host), 0, {}, true);
+  ASSERT_TRUE(other);
+  // The loop does not run: this thread waits for the response itself.
+  const int fd = connect_to((*other)->port());
+  const std::string body = R"({"command":"stop","vehicle":"*"})";
+  const std::string request =
+      "POST /api/v1/commands HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n"
+      "Content-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n" + body;
+  ASSERT_EQ(::write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
+  std::string response;
+  while (receive(fd, response)) std::this_thread::sleep_for(1ms);
+  ::close(fd);
+  EXPECT_THAT(response, StartsWith("HTTP/1.1 202"));
+  EXPECT_THAT(response, HasSubstr("not yet durable"));
+  EXPECT_THAT(response, HasSubstr(published.get_future().get()));
+  EXPECT_THAT(fixture.commands, ::testing::IsEmpty());
+  EXPECT_TRUE(loop.run_until([&] { return fixture.commands.size() == 1; }, timeout)) << "the core gets it later";
+}
+
+TEST_F(Page, responds_to_new_requests_while_a_long_body_is_read) {
+  // The body is half there: the page's thread goes on with other requests, and so does the core.
+  const int fd = connect_to(page->port());
+  const std::string half = R"({"format":"toml","origin":"a","text":")" + std::string(std::size_t{1} << 20U, 'x');
+  const std::string request =
+      "POST /api/v1/zone/switch HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: " +
+      std::to_string(2 * half.size()) + "\r\n\r\n" + half;
+  ASSERT_EQ(::write(fd, request.data(), request.size()), static_cast<ssize_t>(request.size()));
+  EXPECT_THAT(send_request("GET /api/v1/zone"), StartsWith("HTTP/1.1 200"));
+  ::close(fd);
 }
 
 TEST_F(Page, new_client_after_a_pause_gets_the_present_state) {

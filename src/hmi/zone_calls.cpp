@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <variant>
 
 #include "cosiva/base/json_text.h"
 #include "cosiva/base/json_writer.h"
@@ -24,8 +25,8 @@ HttpResponse no_zone() {
 
 /// The name of the zone in force; empty while there is none.
 std::string zone_name(const virtual_side::ServerCore& core) {
-  const auto zone = JsonValue::parse(core.zone_json(), zone_json_bytes_max);
-  return zone ? zone->text("name").value_or("") : std::string{};
+  const auto zone = core.zone();
+  return zone ? zone->name : std::string{};
 }
 
 /// Whether the zone in force is not the one that the run began with.
@@ -115,6 +116,22 @@ HttpResponse switched(const CallContext& context, const virtual_side::DecodedCom
   return json_response(response.take());
 }
 
+/// Why the zone of a switch could not be built; null: it could.
+const Error* why_not_built(const virtual_side::DecodedCommand& command) {
+  if (!command.command()) return nullptr;
+  const auto* to_zone = std::get_if<virtual_side::SwitchCommand>(&*command.command());
+  return to_zone == nullptr || !to_zone->built || *to_zone->built ? nullptr : &to_zone->built->error();
+}
+
+/// The command of a switch that was refused already.
+std::string refused_switch(const std::string& origin, const Error& why) {
+  JsonWriter json;
+  json.begin_object().field("command", "switch").key("refused").begin_object().field("origin", origin);
+  json.field("code", why.code).field("message", why.message).field("location", why.location);
+  json.end_object().end_object();
+  return json.take();
+}
+
 /// The file that edits of this zone may be saved into: the one that the run was started with, while its zone is in
 /// force.
 std::string file_at(const CallContext& context, const zone::ZoneConfiguration& configuration) {
@@ -182,28 +199,40 @@ HttpResponse suggest_beacons(CallContext& context, const Call&) {
   return json_response(json.take());
 }
 
-HttpResponse switch_zone(CallContext& context, const Call& call) {
+tl::expected<std::shared_ptr<const GivenZone>, HttpResponse> read_zone(const ZoneLibrary& zones, const Call& call) {
   Result<zone::ZoneConfiguration> configuration;
   if (const JsonValue* name = call.body.find("name")) {
     // Only ready zones: a client must not read this machine's files with this call.
     if (name->text() == nullptr || !is_plain_name(*name->text()))
-      return http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)");
-    configuration = context.host().zones->load(*name->text());
-    if (!configuration) return http_error(404, configuration.error().code, to_string(configuration.error()));
+      return tl::unexpected(
+          http_error(400, "zone.name", R"("name" is a ready zone's, as GET /api/v1/zones lists them)"));
+    configuration = zones.load(*name->text());
+    if (!configuration)
+      return tl::unexpected(http_error(404, configuration.error().code, to_string(configuration.error())));
   } else {
     configuration = given_zone(call.body);
-    if (!configuration) return http_error(400, configuration.error().code, configuration.error().message);
+    if (!configuration)
+      return tl::unexpected(http_error(400, configuration.error().code, configuration.error().message));
   }
   JsonWriter json;
   zone::write_json(json.begin_object().field("command", "switch").key("zone"), *configuration);
   json.end_object();
-  const std::string command = json.take();
-  // The core parses the file once, however large it is, and also publishes on the page why it refuses; only then is it
-  // queried again.
-  const auto decoded = std::make_shared<const virtual_side::DecodedCommand>(command);
-  context.give_unchecked(command, decoded);
+  GivenZone given{std::move(*configuration), json.take(), {}};
+  given.decoded =
+      std::make_shared<const virtual_side::DecodedCommand>(given.command, virtual_side::DecodedCommand::Zone::built);
+  if (const Error* why = why_not_built(*given.decoded)) {
+    // The core shows the reason; a long text that is no zone would only delay it.
+    given.command = refused_switch(given.configuration.origin, *why);
+    given.decoded = std::make_shared<const virtual_side::DecodedCommand>(given.command);
+  }
+  return std::make_shared<const GivenZone>(std::move(given));
+}
+
+HttpResponse switch_zone(CallContext& context, const Call& call) {
+  // The core also publishes on the page why it refuses; only then is it queried again.
+  context.give_unchecked(call.zone->command, call.zone->decoded);
   context.respond_once_decided(
-      [&context, decoded, given = *configuration] { return switched(context, *decoded, given); });
+      [&context, given = call.zone] { return switched(context, *given->decoded, given->configuration); });
   return {};
 }
 

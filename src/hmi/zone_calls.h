@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "cosiva/adapters/http/http_server.h"
 #include "cosiva/hmi/call_context.h"
 
@@ -15,6 +17,10 @@ namespace cosiva::app {
 [[nodiscard]] adapters::HttpResponse get_zone_sidecar(CallContext& context, const Call& call);
 /// GET /api/v1/zone/beacons/suggestion: a better origin of the beacons; 409 ("zone.beacons").
 [[nodiscard]] adapters::HttpResponse suggest_beacons(CallContext& context, const Call& call);
+/// The zone of a request, by name or whole, built; the error is the response to a request without a zone. Without the
+/// core: any thread may.
+[[nodiscard]] tl::expected<std::shared_ptr<const GivenZone>, adapters::HttpResponse> read_zone(const ZoneLibrary& zones,
+                                                                                               const Call& call);
 /// POST /api/v1/zone/switch: another zone, by name or whole; 422 where the core refuses it.
 [[nodiscard]] adapters::HttpResponse switch_zone(CallContext& context, const Call& call);
 /// PUT /api/v1/priorities: the priorities of vehicles.

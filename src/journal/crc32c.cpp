@@ -1,14 +1,18 @@
 #include "cosiva/journal/crc32c.h"
 
 #include <array>
+#include <cstring>
+
+#ifdef __x86_64__
+#include <nmmintrin.h>
+#endif
 
 namespace cosiva::journal {
 namespace {
 
 using Table = std::array<std::uint32_t, 256>;
 
-// Four tables process four bytes per step, about three times as fast as one; hardware CRC would require a specific
-// processor.
+// Four tables process four bytes per step, about three times as fast as one.
 constexpr std::array<Table, 4> make_tables() {
   std::array<Table, 4> tables{};
   for (std::uint32_t i = 0; i < 256; ++i) {
@@ -25,11 +29,9 @@ constexpr std::array<Table, 4> make_tables() {
 
 constexpr std::array<Table, 4> tables = make_tables();
 
-}  // namespace
-
-std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed) {
+/// Takes and returns the register, not the checksum.
+std::uint32_t by_tables(std::string_view bytes, std::uint32_t crc) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])); };
-  std::uint32_t crc = ~seed;
   std::size_t i = 0;
   for (; i + 4 <= bytes.size(); i += 4) {
     crc ^= byte(i) | byte(i + 1) << 8U | byte(i + 2) << 16U | byte(i + 3) << 24U;
@@ -37,7 +39,32 @@ std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed) {
           tables[0][crc >> 24U];
   }
   for (; i < bytes.size(); ++i) crc = (crc >> 8U) ^ tables[0][(crc ^ byte(i)) & 0xFFU];
-  return ~crc;
+  return crc;
+}
+
+#ifdef __x86_64__
+/// The processor's own instruction, which nearly all have: eight bytes per step.
+__attribute__((target("sse4.2"))) std::uint32_t by_instruction(std::string_view bytes, std::uint32_t crc) {
+  std::uint64_t wide = crc;
+  for (; bytes.size() >= sizeof wide; bytes.remove_prefix(sizeof wide)) {
+    std::uint64_t next{};
+    std::memcpy(&next, bytes.data(), sizeof next);
+    wide = _mm_crc32_u64(wide, next);
+  }
+  return by_tables(bytes, static_cast<std::uint32_t>(wide));
+}
+#endif
+
+}  // namespace
+
+std::uint32_t crc32c_by_tables(std::string_view bytes, std::uint32_t seed) { return ~by_tables(bytes, ~seed); }
+
+std::uint32_t crc32c(std::string_view bytes, std::uint32_t seed) {
+#ifdef __x86_64__
+  static const bool has_instruction = __builtin_cpu_supports("sse4.2") != 0;
+  if (has_instruction) return ~by_instruction(bytes, ~seed);
+#endif
+  return crc32c_by_tables(bytes, seed);
 }
 
 }  // namespace cosiva::journal

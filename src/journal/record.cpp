@@ -25,7 +25,7 @@ void append(std::string& out, std::uint8_t kind, bool flag, SimTime at, std::str
 
 bool known(std::uint8_t kind) {
   return kind == format::end_kind || (kind >= static_cast<std::uint8_t>(wire::InputKind::configure) &&
-                                      kind <= static_cast<std::uint8_t>(wire::InputKind::persisted));
+                                      kind <= static_cast<std::uint8_t>(wire::InputKind::snapshot));
 }
 
 }  // namespace

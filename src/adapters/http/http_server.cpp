@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/dispatch.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -13,6 +14,7 @@
 #include <set>
 #include <utility>
 
+#include "cosiva/adapters/http/frame_mailbox.h"
 #include "cosiva/adapters/http/http_rules.h"
 #include "cosiva/adapters/http/live_stream.h"
 #include "cosiva/base/expect.h"
@@ -82,9 +84,12 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   /// Closes the connection that has waited for its next request the longest, where there are too many; false: all of
   /// them are in use.
   bool make_room();
-  HttpResponse response(const Request& request) const;
+  /// @param request  its body is moved to the API
+  HttpResponse response(Request& request) const;
   HttpResponse too_many() const;
-  HttpResponse respond_to_api(const Request& request, std::string_view target) const;
+  HttpResponse respond_to_api(Request& request, std::string_view target) const;
+  /// Offers the frames of the mailbox to the clients.
+  void send_frames();
   void close();
 
   tcp::acceptor acceptor;
@@ -95,6 +100,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   bool closed{false};
   std::set<HttpSession*> sessions;
   std::shared_ptr<LiveStream> live;
+  FrameMailbox mailbox;
   std::size_t large_bodies{0};  ///< being received now
 };
 
@@ -199,7 +205,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return refuse(http_error(400, "http.malformed", "not an HTTP request: " + error.message()));
     if (error) return close();
 
-    const Request& request = parser_->get();
+    Request& request = parser_->get();
     if (websocket::is_upgrade(request) && view(request.target()).substr(0, live_path.size()) == live_path) {
       if (auto refusal = refuse_upgrade(request)) return refuse(std::move(*refusal));
       stream_.expires_never();
@@ -339,7 +345,7 @@ void HttpServer::Impl::accept() {
   });
 }
 
-HttpResponse HttpServer::Impl::response(const Request& request) const {
+HttpResponse HttpServer::Impl::response(Request& request) const {
   if (!http_rules::is_loopback_authority(view(request[http::field::host])))
     return http_error(403, "http.host", "this server accepts this machine's own names only");
   const std::string_view target = view(request.target());
@@ -376,7 +382,7 @@ HttpResponse HttpServer::Impl::too_many() const {
   return refusal;
 }
 
-HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::string_view target) const {
+HttpResponse HttpServer::Impl::respond_to_api(Request& request, std::string_view target) const {
   const auto origin = request.find(http::field::origin);
   if (origin != request.end() &&
       !http_rules::is_own_origin(view(origin->value()), view(request[http::field::host]), port))
@@ -385,7 +391,7 @@ HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::strin
   const std::size_t question = std::min(target.find('?'), target.size());
   const std::string_view path = target.substr(0, question);
   HttpRequest plain{std::string(view(request.method_string())), *http_rules::clean_path(path),
-                    std::string(target.substr(std::min(question + 1, target.size()))), request.body(),
+                    std::string(target.substr(std::min(question + 1, target.size()))), std::move(request.body()),
                     *http_rules::path_segments(path)};
   if (plain.path == live_path) return http_error(426, "http.upgrade", "this address expects WebSocket");
   // A form of a page of another origin can post anything but JSON without a preflight request of its browser.
@@ -394,7 +400,15 @@ HttpResponse HttpServer::Impl::respond_to_api(const Request& request, std::strin
     return http_error(415, "http.content_type",
                       "send the body as JSON, with the header 'content-type: application/json'");
   if (plain.method == "HEAD") plain.method = "GET";
-  return api(plain);
+  return api(std::move(plain));
+}
+
+void HttpServer::Impl::send_frames() {
+  FrameMailbox::Items items = mailbox.take();
+  for (std::size_t kind = 0; kind < items.size(); ++kind) {
+    if (items[kind].kept.bytes) live->keep(kind, items[kind].kept);
+    if (items[kind].newest.bytes) live->send(kind, items[kind].newest);
+  }
 }
 
 void HttpServer::Impl::close() {
@@ -422,9 +436,12 @@ std::uint16_t HttpServer::port() const { return impl_->port; }
 std::size_t HttpServer::live_clients() const { return impl_->live->clients(); }
 
 void HttpServer::send_live(std::size_t kind, LiveFrame bytes, bool binary, bool keep_for_new_clients) {
-  impl_->live->send(kind, {std::move(bytes), binary}, keep_for_new_clients);
+  if (impl_->mailbox.put(kind, {std::move(bytes), binary}, keep_for_new_clients))
+    asio::dispatch(impl_->acceptor.get_executor(), [impl = impl_] { impl->send_frames(); });
 }
 
-void HttpServer::on_join(std::function<void()> action) { impl_->live->on_join(std::move(action)); }
+void HttpServer::on_join(std::function<void(std::function<void()> ready)> action) {
+  impl_->live->on_join(std::move(action));
+}
 
 }  // namespace cosiva::adapters

@@ -31,7 +31,7 @@ struct HttpResponse {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;  ///< further ones, such as Allow
   /// Where set, this is no response yet: the server calls it at once with a function that takes the response, from the
-  /// loop, once.
+  /// server's loop, once.
   std::function<void(std::function<void(HttpResponse)> respond)> later{};
 };
 /// {"error":{"code","message"}} with this status.
@@ -58,16 +58,18 @@ struct HttpOptions {
 /// HTTP and WebSocket on 127.0.0.1 for the page. The server serves only this machine: requests whose Host or Origin is
 /// not a loopback name are refused, so that a web page of another origin cannot reach it through the user's browser,
 /// not even by DNS rebinding. Boost.Beast stays in the .cpp.
+/// The server lives on the thread of its loop; only send_live() and live_clients() may be called from others.
 class HttpServer {
  public:
   struct Impl;  ///< shared with its sessions, in the .cpp only
-  using Handler = std::function<HttpResponse(const HttpRequest&)>;
+  using Handler = std::function<HttpResponse(HttpRequest)>;
 
   /// Listens. `api` handles every path under /api/. Fails ("http.port") when no port is available.
   [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(EventLoop& loop, HttpOptions options, Handler api);
   ~HttpServer();
 
   [[nodiscard]] std::uint16_t port() const;
+  /// From any thread.
   [[nodiscard]] std::size_t live_clients() const;
 
   /// One frame of /api/v1/live, one buffer for all its receivers.
@@ -75,10 +77,12 @@ class HttpServer {
   /// Each frame has a kind. A client that reads slowly gets only the newest frame of each kind, lower kinds first: for
   /// one client the server holds one frame in transit and one waiting of each kind, however long the client does not
   /// read. A frame stored for new clients is also the first that a new client gets.
+  /// Any thread may send; the frames of one thread are sent in its order.
   static constexpr std::size_t live_kinds = 6;
   void send_live(std::size_t kind, LiveFrame frame, bool binary = false, bool keep_for_new_clients = false);
-  /// Calls `action` when a client has joined, before it gets the stored frames, so that they can be renewed.
-  void on_join(std::function<void()> action);
+  /// Calls `action` from the server's loop when a client has joined. The client gets its first frames once `ready` is
+  /// called, from any thread, so that the stored frames can be renewed before. Set before the loop runs.
+  void on_join(std::function<void(std::function<void()> ready)> action);
 
  private:
   HttpServer();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/dispatch.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/websocket.hpp>
@@ -33,8 +34,12 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   LiveSession(std::shared_ptr<LiveStream> stream, tcp::socket socket)
       : stream_{std::move(stream)}, socket_{std::move(socket)} {
     stream_->sessions_.insert(this);
+    stream_->clients_ = stream_->sessions_.size();
   }
-  ~LiveSession() { stream_->sessions_.erase(this); }
+  ~LiveSession() {
+    stream_->sessions_.erase(this);
+    stream_->clients_ = stream_->sessions_.size();
+  }
 
   void start(const http::request<http::string_body>& request) {
     ErrorCode ignored;
@@ -50,14 +55,11 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
     socket_.auto_fragment(false);  // a frame is sent in one write, whatever its size
     socket_.async_accept(request, [self = shared_from_this()](const ErrorCode& error) {
       if (error) return;
-      if (self->stream_->on_join_) self->stream_->on_join_();
-      self->open_ = true;
-      for (std::size_t kind = 0; kind < LiveStream::kinds; ++kind) {
-        const LiveStreamFrame& kept = self->stream_->kept_[kind];
-        if (kept.bytes && !self->next_[kind].bytes) self->next_[kind] = kept;
-      }
       self->read();
-      self->write();
+      if (self->stream_->on_join_)
+        self->stream_->on_join_(self->when_ready());
+      else
+        self->open();
     });
   }
 
@@ -72,6 +74,24 @@ class LiveSession : public std::enable_shared_from_this<LiveSession> {
   }
 
  private:
+  /// Opens the session from its own loop, whichever thread calls this.
+  std::function<void()> when_ready() {
+    return [weak = weak_from_this(), executor = socket_.get_executor()] {
+      asio::dispatch(executor, [weak] {
+        if (const auto self = weak.lock()) self->open();
+      });
+    };
+  }
+
+  void open() {
+    if (std::exchange(open_, true)) return;
+    for (std::size_t kind = 0; kind < LiveStream::kinds; ++kind) {
+      const LiveStreamFrame& kept = stream_->kept_[kind];
+      if (kept.bytes && !next_[kind].bytes) next_[kind] = kept;
+    }
+    write();
+  }
+
   void read() {
     // The page sends no messages here; pings, the close and the peer's end are noticed by reading.
     socket_.async_read(incoming_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {
@@ -110,8 +130,7 @@ void LiveStream::accept(tcp::socket socket, const http::request<http::string_bod
   session->start(request);
 }
 
-void LiveStream::send(std::size_t kind, const LiveStreamFrame& frame, bool keep_for_new_clients) {
-  if (keep_for_new_clients) kept_[kind] = frame;
+void LiveStream::send(std::size_t kind, const LiveStreamFrame& frame) {
   for (LiveSession* session : sessions_) session->offer(kind, frame);
 }
 

@@ -14,6 +14,12 @@ namespace cosiva::adapters {
 
 using journal::Batch;
 
+namespace {
+
+constexpr std::size_t spare_bytes_max = std::size_t{16} << 20U;
+
+}  // namespace
+
 struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
   struct Proposal {
     wire::Input input;
@@ -42,20 +48,22 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
   void work() {
     std::unique_lock lock{mutex};
     for (;;) {
-      changed.wait(lock, [this] { return ends || !waiting.empty(); });
+      changed.wait(lock, [this] { return wanted.end || !waiting.empty(); });
       if (waiting.empty()) return;
-      changed.wait_for(lock, options.period, [this] { return ends || hurried || !waiting.proposals.empty(); });
-      hurried = false;
+      changed.wait_for(lock, options.period,
+                       [this] { return wanted.end || wanted.at_once || !waiting.proposals.empty(); });
+      wanted.at_once = false;
       if (waiting.empty()) continue;  // given up meanwhile
       if (write_waiting(lock)) continue;
-      if (ends) return;
-      changed.wait_for(lock, options.retry, [this] { return ends; });
+      if (wanted.end) return;
+      changed.wait_for(lock, options.retry, [this] { return wanted.end; });
     }
   }
 
   /// Writes what waits. Where the disk refuses that, the records wait again, and the proposals are refused.
   bool write_waiting(std::unique_lock<std::mutex>& lock) {
     Pending taken = std::exchange(waiting, {});
+    std::swap(waiting.records, spare);
     writing = true;
     lock.unlock();
     const auto written = write(taken.records, taken.proposals);
@@ -63,6 +71,8 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
     writing = false;
     if (written) {
       durable = log.next().first;
+      taken.records.clear();
+      if (taken.records.records().capacity() <= spare_bytes_max) spare = std::move(taken.records);
       notify(std::move(taken.notices));
       recover();
     } else {
@@ -143,12 +153,16 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
   std::mutex mutex;  ///< of all that follows
   std::condition_variable changed;
   Pending waiting;
+  Batch spare;  ///< empty: its memory is used again
   journal::RecordNumber durable;
   std::optional<Error> refusal;
+  struct Wanted {
+    bool at_once{false};  ///< before the period is over
+    bool end{false};
+  };
+  Wanted wanted;
   bool gapped{false};  ///< records are given up until a checkpoint
-  bool hurried{false};
   bool writing{false};
-  bool ends{false};
   std::thread thread;
 };
 
@@ -161,7 +175,7 @@ GroupCommit::GroupCommit(EventLoop& loop, std::shared_ptr<journal::Disk> disk, c
 GroupCommit::~GroupCommit() {
   {
     const std::lock_guard lock{impl_->mutex};
-    impl_->ends = true;
+    impl_->wanted.end = true;
   }
   impl_->changed.notify_all();
   impl_->thread.join();
@@ -186,7 +200,7 @@ void GroupCommit::append_now(const Batch& records, std::function<void()> durable
     // Within a gap the next checkpoint covers what these records would have.
     if (!impl_->gapped) impl_->waiting.records.add(records);
     impl_->waiting.notices.push_back(std::move(durable));
-    impl_->hurried = true;
+    impl_->wanted.at_once = true;
   }
   impl_->changed.notify_all();
 }
@@ -216,7 +230,7 @@ void GroupCommit::propose(wire::Input input, Decided decided) {
 
 void GroupCommit::drain() {
   std::unique_lock lock{impl_->mutex};
-  impl_->hurried = true;
+  impl_->wanted.at_once = true;
   impl_->changed.notify_all();
   impl_->changed.wait(lock, [this] { return impl_->refusal || (impl_->waiting.empty() && !impl_->writing); });
 }

@@ -127,6 +127,8 @@ void LiveStore::complete_now(std::function<void()> durable) {
 void LiveStore::write_checkpoint() {
   complete();
   journal::Batch checkpoint;
+  if (const auto complete = complete_state_ ? complete_state_() : std::nullopt)
+    checkpoint.add(journal::to_input(*complete, state_.at));
   checkpoint.add(state_);
   commit_->append_checkpoint(checkpoint);
   records_ = 0;
@@ -148,8 +150,10 @@ void LiveStore::pass_on(wire::Input proposal, Decided decided) {
   });
 }
 
-InputStore::Left LiveStore::left() const {
-  return {restart_.persisted(), {restart_.accepted().begin(), restart_.accepted().end()}};
+InputStore::Left LiveStore::take_left() {
+  const journal::Restart restart = std::exchange(restart_, {});
+  return {
+      restart.state(), restart.inputs(), restart.persisted(), {restart.accepted().begin(), restart.accepted().end()}};
 }
 
 }  // namespace cosiva::adapters

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/input_store.h"
@@ -45,7 +46,8 @@ class LiveStore final : public InputStore {
   void complete_now(std::function<void()> durable) override;
   void propose(wire::Input proposal, Decided decided) override;
   void drain() override { commit_->drain(); }
-  [[nodiscard]] Left left() const override;
+  [[nodiscard]] Left take_left() override;
+  void set_complete_state(CompleteState source) override { complete_state_ = std::move(source); }
 
  private:
   /// A command that waits for a checkpoint.
@@ -63,6 +65,7 @@ class LiveStore final : public InputStore {
 
   LiveStoreOptions options_;
   journal::Restart restart_;
+  CompleteState complete_state_;
   std::optional<Error> refusal_;  ///< nothing while the disk works
   wire::Input state_;             ///< persisted last; no payload: none
   journal::Batch input_;          ///< the records of the input that the core handles

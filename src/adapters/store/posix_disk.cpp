@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* lock_name = ".lock";
 constexpr std::string_view new_suffix = ".new";
+constexpr std::size_t early_bytes = std::size_t{256} << 10U;
 
 tl::unexpected<Error> disk_error(int error, const std::string& path) {
   const char* const code = error == ENOSPC || error == EDQUOT || error == EFBIG  ? "disk.full"
@@ -41,6 +42,8 @@ class PosixFile final : public journal::DiskFile {
 
   Result<void> append(std::string_view bytes) override {
     if (const int error = write_all(fd_, bytes); error != 0) return disk_error(error, path_);
+    // Otherwise the disk would begin with sync(). Where this fails, sync() reports it.
+    if (bytes.size() >= early_bytes) static_cast<void>(::sync_file_range(fd_, 0, 0, SYNC_FILE_RANGE_WRITE));
     return {};
   }
   Result<void> sync() override {

@@ -8,6 +8,7 @@
 
 #include "cosiva/aiv/decision/branch_choice.h"
 #include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -146,5 +147,7 @@ Status Agent::status() const {
   const bool manoeuvring = vehicle_.position().off_path_estimator().manoeuvring() && !motion.stopped();
   return status_of(manoeuvring ? bend_creep_mps : motion.speed_mps(), instructions_.imposed);
 }
+
+void Agent::archive(Archive& archive) { archive(vehicle_, inputs_, instructions_, decision_); }
 
 }  // namespace cosiva::aiv

@@ -8,6 +8,7 @@
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/vehicle_state.h"
 #include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -75,6 +76,7 @@ class Agent {
            std::numeric_limits<double>::infinity();
   }
   [[nodiscard]] Status status() const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// Noise of odometry is below this.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -36,5 +37,7 @@ double BackUp::speed_mps(const zone::SpeedProfile& slow, double travelled_m) con
   const double left_m = std::max(0.0, travelled_m - *end_at_m_);
   return std::min({back_up_mps, slow.speed_mps, std::sqrt(2.0 * slow.braking_mps2 * left_m)});
 }
+
+void BackUp::archive(Archive& archive) { archive(end_at_m_, completed_, readings_); }
 
 }  // namespace cosiva::aiv

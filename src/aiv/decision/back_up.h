@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -24,6 +25,7 @@ class BackUp {
   [[nodiscard]] bool completed() const { return completed_; }  ///< the last backUp reached its commanded end
   /// The speed, ≥ 0, from which the vehicle still stops at the end: v = √(2bs), at most 0.1 m/s. Only while active.
   [[nodiscard]] double speed_mps(const zone::SpeedProfile& slow, double travelled_m) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<double> end_at_m_;  ///< of the vehicle's own odometer, while active

@@ -1,5 +1,7 @@
 #include "cosiva/aiv/decision/hold.h"
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::aiv {
 
 std::string_view to_string(Hold hold) {
@@ -14,5 +16,7 @@ std::string_view to_string(Hold hold) {
   }
   return "?";
 }
+
+void HoldSet::archive(Archive& archive) { archive(bits_); }
 
 }  // namespace cosiva::aiv

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
+
 namespace cosiva::aiv {
 
 /// A reason for which a vehicle stops although its order would let it go. Several may be in force at once.
@@ -27,6 +29,7 @@ class HoldSet {
   [[nodiscard]] bool has(Hold hold) const { return (bits_ & static_cast<std::uint8_t>(hold)) != 0; }
   [[nodiscard]] bool any() const { return bits_ != 0; }
   [[nodiscard]] std::uint8_t bits() const { return bits_; }  ///< a bit for each hold
+  void archive(Archive& archive);                            ///< the state, for a snapshot
 
  private:
   std::uint8_t bits_{0};

@@ -83,6 +83,10 @@ bool touched_turning(Point2 centre, const zone::VehicleShape& shape, const Box& 
 }  // namespace
 
 bool near_bodies(const zone::VehicleShape& shape, const Pose2& X_MA, const Pose2& X_MB, double clear_m) {
+  // Further apart than their corners reach: no need to turn anything.
+  const double corner_m = 0.5 * norm(shape.length_m, shape.width_m);
+  const double far_m = 2.0 * corner_m + norm(clear_m, clear_m) + 1e-6;
+  if (distance(X_MA, X_MB) > far_m) return false;
   return touch(box(X_MA, shape, clear_m), box(X_MB, shape, 0.0));
 }
 

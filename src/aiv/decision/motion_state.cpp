@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -61,6 +62,11 @@ void MotionState::take_over(const MotionState& before) {
   stuck_readings_ = stuck_readings;
   stuck_travelled_m_ = stuck_travelled_m;
   turn_radps_ = turn_radps;
+}
+
+void MotionState::archive(Archive& archive) {
+  archive(speed_mps_, slow_readings_, stopped_, manoeuvre_, manoeuvre_ms_, still_readings_, turn_radps_,
+          stuck_readings_, stuck_travelled_m_);
 }
 
 }  // namespace cosiva::aiv

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 
 namespace cosiva::aiv {
@@ -25,6 +26,7 @@ class MotionState {
   [[nodiscard]] bool stopped() const { return stopped_; }        ///< since two readings, and not in a manoeuvre
   [[nodiscard]] bool has_manoeuvre() const { return manoeuvre_.has_value(); }  ///< the last reading was of one
   [[nodiscard]] double manoeuvre_turn_radps() const { return turn_radps_; }    ///< 0 outside manoeuvres
+  void archive(Archive& archive);                                              ///< the state, for a snapshot
 
  private:
   double speed_mps_{0.0};

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -42,5 +43,7 @@ bool ObstacleWatch::may_sweep(const PositionEstimator& position, double bend_ahe
   const double corner_m = 0.5 * norm(zone_.vehicle.length_m, zone_.vehicle.width_m);
   return around_.obstacle_ahead_m(0.0) > corner_m + sweep_margin_m;
 }
+
+void ObstacleWatch::archive(Archive& archive) { archive(scan_, ahead_, around_, entry_); }
 
 }  // namespace cosiva::aiv

@@ -3,6 +3,7 @@
 #include "cosiva/aiv/decision/line_entry.h"
 #include "cosiva/aiv/localisation/estimator.h"
 #include "cosiva/aiv/perception/corridor.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -33,6 +34,7 @@ class ObstacleWatch {
   /// The last detection of DOBS: the nearest echo in the corridor and the beam that measured it, unfiltered.
   [[nodiscard]] const Corridor::Scan& scan() const { return scan_; }
   [[nodiscard]] double reach_m() const { return corridor_.reach_m(); }  ///< as Corridor::reach_m()
+  void archive(Archive& archive);                                       ///< the state, for a snapshot
 
  private:
   [[nodiscard]] bool in_entry(const PositionEstimator& position, const wire::Ranges& ranges);

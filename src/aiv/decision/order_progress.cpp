@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -41,5 +42,7 @@ void OrderProgress::end_cancel() {
 std::vector<wire::OrderNode> OrderProgress::take_traversed() { return std::exchange(traversed_, {}); }
 
 bool OrderProgress::take_lost() { return std::exchange(lost_, false); }
+
+void OrderProgress::archive(Archive& archive) { archive(book_, cancelling_, lost_, traversed_); }
 
 }  // namespace cosiva::aiv

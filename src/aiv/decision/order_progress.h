@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cosiva/aiv/order/order_book.h"
+#include "cosiva/base/archive_fwd.h"
 
 namespace cosiva::aiv {
 
@@ -35,6 +36,7 @@ class OrderProgress {
   [[nodiscard]] std::vector<wire::OrderNode> take_traversed();
   /// True once after an order was lost.
   [[nodiscard]] bool take_lost();
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   OrderBook book_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -165,6 +166,10 @@ double VehicleState::turn_rate_radps() const {
   if (!estimator_.known() || estimator_.off_path()) return 0.0;
   const zone::TrackPosition here = estimator_.track_position();
   return motion_.speed_mps() * zone_.circuit.section(here.section).curvature_at(here.s_m);
+}
+
+void VehicleState::archive(Archive& archive) {
+  archive(estimator_, progress_, watch_, motion_, holds_, back_up_, joining_);
 }
 
 }  // namespace cosiva::aiv

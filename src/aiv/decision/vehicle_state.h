@@ -8,6 +8,7 @@
 #include "cosiva/aiv/decision/obstacle_watch.h"
 #include "cosiva/aiv/decision/order_progress.h"
 #include "cosiva/aiv/localisation/estimator.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -63,6 +64,7 @@ class VehicleState {
   [[nodiscard]] const HoldSet& holds() const { return holds_; }
   [[nodiscard]] bool joining() const { return joining_; }
   [[nodiscard]] double turn_rate_radps() const;  ///< of a manoeuvre as measured, elsewhere that of the path
+  void archive(Archive& archive);                ///< the state, for a snapshot
 
  private:
   void follow_order() { estimator_.follow(order().course_from(estimator_.track_position())); }

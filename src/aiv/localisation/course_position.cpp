@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -213,5 +214,7 @@ std::optional<CoursePosition::Foot> CoursePosition::foot_of(Point2 fiducial, dou
   }
   return best;
 }
+
+void CoursePosition::archive(Archive& archive) { archive(motion_, course_); }
 
 }  // namespace cosiva::aiv

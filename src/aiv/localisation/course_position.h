@@ -4,6 +4,7 @@
 
 #include "cosiva/aiv/motion/motion.h"
 #include "cosiva/aiv/motion/outlook.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/zone/circuit/circuit.h"
 #include "cosiva/zone/circuit/course.h"
@@ -51,6 +52,7 @@ class CoursePosition {
   /// At most `reach_m` along the course and less than `beside_m_max` from the fiducial; nothing: the course does not
   /// pass over the fiducial there.
   [[nodiscard]] std::optional<Foot> foot_of(Point2 fiducial, double reach_m, double beside_m_max) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   double shift_on(double distance_m);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -24,5 +25,7 @@ void DistanceCounter::take_over(const DistanceCounter& before) {
   travelled_m_ = before.travelled_m_;
   reading_um_ = before.reading_um_;
 }
+
+void DistanceCounter::archive(Archive& archive) { archive(travelled_m_, reading_um_); }
 
 }  // namespace cosiva::aiv

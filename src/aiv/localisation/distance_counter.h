@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
+
 namespace cosiva::aiv {
 
 /// The distance that the vehicle has driven, from the readings of a board's odometer that may restart or be damaged.
@@ -24,6 +26,7 @@ class DistanceCounter {
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
   /// The last reading; nothing before the first one, and after a restart.
   [[nodiscard]] std::optional<std::int64_t> reading_um() const { return reading_um_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   double step_m_max_;

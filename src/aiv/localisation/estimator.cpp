@@ -1,5 +1,6 @@
 #include "cosiva/aiv/localisation/estimator.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -76,5 +77,7 @@ PositionFix PositionEstimator::on_tag(std::uint32_t number, double age_s, double
   const std::optional<Point2> beacon = zone_.beacons->find(number);
   return beacon ? on_path_.on_beacon(*beacon, latency_m, travelled_m()) : PositionFix{};
 }
+
+void PositionEstimator::archive(Archive& archive) { archive(counter_, on_path_, off_path_, last_tag_); }
 
 }  // namespace cosiva::aiv

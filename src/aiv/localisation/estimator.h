@@ -9,6 +9,7 @@
 #include "cosiva/aiv/localisation/on_path_estimator.h"
 #include "cosiva/aiv/localisation/position_fix.h"
 #include "cosiva/aiv/motion/outlook.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/circuit/course.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -85,6 +86,7 @@ class PositionEstimator {
   PositionFix on_tag(std::uint32_t number, double age_s, double speed_mps);
   /// The beacons have been moved: the last contradicting beacon has no meaning any more.
   void forget_doubt() { on_path_.forget_doubt(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   const zone::TrafficZone& zone_;

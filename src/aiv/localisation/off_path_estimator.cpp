@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -142,6 +143,10 @@ void OffPathEstimator::land(const Pose2& X_MB, bool line_lost, OnPathEstimator& 
     on_path.land_on(line->position);
     result.kind = FixKind::relocated;
   }
+}
+
+void OffPathEstimator::archive(Archive& archive) {
+  archive(X_MO_, X_OB_, near_path_, off_by_m_, strayed_m_, manoeuvre_travelled_m_, on_old_floor_);
 }
 
 }  // namespace cosiva::aiv

@@ -5,6 +5,7 @@
 #include "cosiva/aiv/localisation/estimator_model.h"
 #include "cosiva/aiv/localisation/on_path_estimator.h"
 #include "cosiva/aiv/localisation/position_fix.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/wire/messages/board.h"
 
@@ -44,6 +45,7 @@ class OffPathEstimator {
   /// @param step_m       since the last reading
   /// @param travelled_m  of the vehicle's own odometer, the step included
   EstimateStep on_odometry(double step_m, double travelled_m, const wire::Odometry& odometry, OnPathEstimator& on_path);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void roll(double step_m, OnPathEstimator& on_path, EstimateStep& result);

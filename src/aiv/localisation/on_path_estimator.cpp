@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cosiva/aiv/motion/outlook.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -199,5 +200,7 @@ std::vector<zone::TrackPosition> same_positions(const zone::Circuit& circuit, zo
   }
   return positions;
 }
+
+void OnPathEstimator::archive(Archive& archive) { archive(known_, path_, variance_m2_, doubt_); }
 
 }  // namespace cosiva::aiv

@@ -7,6 +7,7 @@
 #include "cosiva/aiv/localisation/course_position.h"
 #include "cosiva/aiv/localisation/estimator_model.h"
 #include "cosiva/aiv/localisation/position_fix.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/zone/circuit/circuit.h"
 #include "cosiva/zone/circuit/course.h"
@@ -66,6 +67,7 @@ class OnPathEstimator {
   PositionFix on_tag(zone::TrackPosition tag, double latency_m, double travelled_m);
   /// Likewise a beacon, while the position is known.
   PositionFix on_beacon(Point2 beacon, double latency_m, double travelled_m);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Sighting {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cosiva/aiv/motion/formulas.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -83,6 +84,10 @@ Manoeuvre::Step Manoeuvre::step(double speed_mps, double dt_s) {
   while (leg_ < legs && left_[leg_] == 0.0) ++leg_;
   if (leg_ == legs) X_SB_ = X_SG_;  // removes the rounding error
   return step;
+}
+
+void Manoeuvre::archive(Archive& archive) {
+  archive(rates_, X_SG_, X_SB_, left_, sign_, leg_, rate_, lasted_s_, uncommanded_s_);
 }
 
 }  // namespace cosiva::aiv

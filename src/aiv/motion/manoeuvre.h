@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/circuit/circuit.h"
@@ -55,6 +56,7 @@ inline constexpr double stays_within_m = 0.006;
 /// another. Legs accelerate and brake at constant rates. Invariant: each ends exactly at its target, never beyond.
 class Manoeuvre {
  public:
+  Manoeuvre() : Manoeuvre{Pose2{}} {}
   /// @param X_SG  the goal in the frame of the start pose. The body does not drive to a goal nearer than half a
   ///              millimetre: the manoeuvre is then one turn, by the goal's heading.
   explicit Manoeuvre(const Pose2& X_SG, const ManoeuvreRates& rates = {});
@@ -75,6 +77,7 @@ class Manoeuvre {
   [[nodiscard]] bool abandoned() const { return rate_ == 0.0 && uncommanded_s_ >= manoeuvre_abandoned_s; }
   /// Of the straight leg.
   [[nodiscard]] double speed_mps() const { return leg_ == 1 ? rate_ : 0.0; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   static constexpr int legs = 3;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -107,5 +109,9 @@ void move_all(const zone::Circuit& circuit, std::span<AivMotion> aivs, std::span
   for (std::size_t i = 0; i < aivs.size(); ++i) aivs[i].move(circuit, DTT_m[i]);
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = aivs[i].pose(circuit);
 }
+
+void TravelDir::archive(Archive& archive) { archive(state_); }
+
+void AivMotion::archive(Archive& archive) { archive(section_, mDTCS_m_, direction_); }
 
 }  // namespace cosiva::aiv

@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/zone/circuit/circuit.h"
@@ -36,6 +37,7 @@ class TravelDir {
   bool on(Event event);
 
   friend bool operator==(const TravelDir&, const TravelDir&) = default;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   explicit TravelDir(State state) : state_{state} {}
@@ -74,6 +76,7 @@ class AivMotion {
                std::span<const zone::SectionId> traversed = {});
 
   friend bool operator==(const AivMotion&, const AivMotion&) = default;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// Phase b of figure 14, once for each section that is too short; called when the section conservation condition

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -202,5 +203,7 @@ void ActionExecutor::on_zone_switched() {
   book_.end_running(action::cancel_order, wire::ActionStatus::finished);
   book_.end_running({}, wire::ActionStatus::failed, "the zone was switched");
 }
+
+void ActionExecutor::archive(Archive& archive) { archive(book_); }
 
 }  // namespace cosiva::aiv

@@ -12,6 +12,7 @@
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -41,6 +42,7 @@ class ActionExecutor {
   /// No action outlasts a zone switch.
   void on_zone_switched();
   [[nodiscard]] const InstantActionBook& book() const { return book_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Call {

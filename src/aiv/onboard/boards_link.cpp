@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -11,7 +12,8 @@ constexpr SimDuration heartbeat_period = std::chrono::milliseconds{100};
 
 }  // namespace
 
-BoardsLink::BoardsLink(std::uint32_t vehicle_number) : heartbeat_timer_{heartbeat_period} {
+BoardsLink::BoardsLink(std::uint32_t vehicle_number, bool as_values) : heartbeat_timer_{heartbeat_period} {
+  if (as_values) batch_.emplace(vehicle_number);
   for (const wire::Board board : wire::all_boards) link(board).port = wire::port_name(vehicle_number, board);
 }
 
@@ -41,21 +43,34 @@ const std::vector<wire::BoardMessage>& BoardsLink::on_bytes(wire::Board board, s
   received_.clear();
   of.decoder.feed(bytes, received_);
   of.frames_good += received_.size();
-  for (const wire::BoardMessage& message : received_) {
-    if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
-    if (const auto* power = std::get_if<wire::Power>(&message)) power_ = *power;
-    if (const auto* ranges = std::get_if<wire::Ranges>(&message)) {
-      ranges_ = *ranges;
-      new_ranges_ = true;
-    }
-    if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) {
-      of.health.self_test = heartbeat->self_test;
-      of.health.uptime_ms = heartbeat->uptime_ms;
-      of.health.frames_bad = heartbeat->frames_bad;
-      of.health.frames_missed = heartbeat->frames_missed;
-    }
-  }
+  for (const wire::BoardMessage& message : received_) take(of, message);
   return received_;
+}
+
+void BoardsLink::on_frames(std::span<const wire::BoardFrames::Frame> frames) {
+  COSIVA_EXPECT(!frames.empty() && frames.front().board == frames.back().board);
+  Link& of = link(frames.front().board);
+  of.health.connected = true;
+  of.frames_good += frames.size();
+  for (const wire::BoardFrames::Frame& frame : frames) {
+    of.decoder.count(frame.sequence, frame.message);
+    take(of, frame.message);
+  }
+}
+
+void BoardsLink::take(Link& of, const wire::BoardMessage& message) {
+  if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
+  if (const auto* power = std::get_if<wire::Power>(&message)) power_ = *power;
+  if (const auto* ranges = std::get_if<wire::Ranges>(&message)) {
+    ranges_ = *ranges;
+    new_ranges_ = true;
+  }
+  if (const auto* heartbeat = std::get_if<wire::Heartbeat>(&message)) {
+    of.health.self_test = heartbeat->self_test;
+    of.health.uptime_ms = heartbeat->uptime_ms;
+    of.health.frames_bad = heartbeat->frames_bad;
+    of.health.frames_missed = heartbeat->frames_missed;
+  }
 }
 
 BoardsLink::Frames BoardsLink::frames(wire::Board board) const {
@@ -67,7 +82,13 @@ BoardsLink::Frames BoardsLink::frames(wire::Board board) const {
 
 void BoardsLink::send(wire::Board board, const wire::BoardMessage& message, wire::Effects& effects) {
   Link& to = link(board);
-  if (to.health.connected) effects.emplace_back(wire::SendBytes{to.port, to.encoder.encode(message)});
+  if (!to.health.connected) return;
+  if (batch_) return batch_->add(board, to.encoder.next_sequence(), message);
+  effects.emplace_back(wire::SendBytes{to.port, to.encoder.encode(message)});
+}
+
+void BoardsLink::flush(wire::Effects& effects) {
+  if (batch_) batch_->flush(links_.front().port, effects);
 }
 
 bool BoardsLink::take_new_ranges() {
@@ -85,6 +106,10 @@ void BoardsLink::on_tick(SimTime now, wire::Effects& effects) {
     send(board, wire::Heartbeat{uptime_ms, counters.frames_bad, counters.frames_missed, 0}, effects);
     if (!to.health.hello) send(board, wire::Hello{board, wire::module_link::version, 0, 0}, effects);
   }
+}
+
+void BoardsLink::archive(Archive& archive) {
+  archive(links_, received_, started_, heartbeat_timer_, power_, ranges_, new_ranges_);
 }
 
 }  // namespace cosiva::aiv

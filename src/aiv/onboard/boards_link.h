@@ -3,12 +3,16 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "cosiva/aiv/onboard/periodic.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
+#include "cosiva/wire/in_process/board_frames.h"
+#include "cosiva/wire/in_process/frame_batch.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/module_link/module_link.h"
 #include "cosiva/wire/runtime/core.h"
@@ -21,7 +25,8 @@ namespace cosiva::aiv {
 /// Invariant: there is a new obstacle reading only where there is one at all.
 class BoardsLink {
  public:
-  explicit BoardsLink(std::uint32_t vehicle_number);
+  /// @param as_values  frames are passed on as values (wire/in_process/board_frames.h); they leave at flush()
+  explicit BoardsLink(std::uint32_t vehicle_number, bool as_values = false);
 
   [[nodiscard]] std::optional<wire::Board> board_of(std::string_view port) const;
   [[nodiscard]] std::vector<std::string> ports() const;
@@ -30,6 +35,9 @@ class BoardsLink {
   void on_port(wire::Board board, bool up);
   /// The messages in these bytes; the reference is valid until the next call.
   [[nodiscard]] const std::vector<wire::BoardMessage>& on_bytes(wire::Board board, std::string_view bytes);
+
+  /// Likewise of frames passed on as values, all of one board.
+  void on_frames(std::span<const wire::BoardFrames::Frame> frames);
 
   /// The program starts: its uptime counts from now.
   void start(SimTime now) { started_ = now; }
@@ -40,6 +48,8 @@ class BoardsLink {
   [[nodiscard]] bool take_new_ranges();
 
   void send(wire::Board board, const wire::BoardMessage& message, wire::Effects& effects);
+  /// Lets all frames leave that wait to be passed on as values.
+  void flush(wire::Effects& effects);
   /// Sends heartbeats to every board at 10 Hz, and requests to boards that have not identified themselves yet.
   void on_tick(SimTime now, wire::Effects& effects);
 
@@ -58,6 +68,7 @@ class BoardsLink {
     std::uint32_t missed;  ///< by either side
   };
   [[nodiscard]] Frames frames(wire::Board board) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Link {
@@ -67,12 +78,14 @@ class BoardsLink {
     Health health;
     std::uint64_t frames_good{0};  ///< the decoder's own count wraps
   };
+  void take(Link& of, const wire::BoardMessage& message);
   [[nodiscard]] Link& link(wire::Board board) { return links_[index(board)]; }
   [[nodiscard]] const Link& link(wire::Board board) const { return links_[index(board)]; }
   [[nodiscard]] static std::size_t index(wire::Board board) { return static_cast<std::size_t>(board) - 1; }
 
   std::array<Link, wire::all_boards.size()> links_;
   std::vector<wire::BoardMessage> received_;
+  std::optional<wire::FrameBatch> batch_;  ///< where frames are passed on as values
   SimTime started_{};
   Periodic heartbeat_timer_;
   std::optional<wire::Power> power_;

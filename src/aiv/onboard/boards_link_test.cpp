@@ -131,5 +131,51 @@ TEST_F(BoardsLinkTest, requests_the_identity_of_a_board_with_each_heartbeat_unti
   EXPECT_THAT(sent_to(Board::PILS), SizeIs(1));
 }
 
+TEST_F(BoardsLinkTest, as_values_stores_and_counts_the_same_and_sends_all_boards_frames_together) {
+  BoardsLink values{7, true};
+  wire::BoardFrames received{7};
+  const auto pass = [&](Board board, std::uint8_t sequence, const wire::BoardMessage& message) {
+    (void)boards.on_bytes(board, wire::module_link::encode(message, sequence));
+    received.clear();
+    received.add(board, sequence, message);
+    values.on_frames(received.frames());
+  };
+  pass(Board::RALI, 0, wire::Power{7400, 300, 250, 900});
+  pass(Board::RALI, 3, wire::Heartbeat{100, 4, 5, 6});  // two frames are missing
+  pass(Board::DOBS, 0, wire::Ranges{1, -50, 10, {500}});
+  pass(Board::PILS, 0, wire::Hello{Board::PILS, 1, 2, 3});
+  EXPECT_EQ(values.power(), boards.power());
+  EXPECT_EQ(values.ranges(), boards.ranges());
+  EXPECT_EQ(values.take_new_ranges(), boards.take_new_ranges());
+  for (const Board board : wire::all_boards) {
+    EXPECT_EQ(values.frames(board).good, boards.frames(board).good);
+    EXPECT_EQ(values.frames(board).bad, boards.frames(board).bad);
+    EXPECT_EQ(values.frames(board).missed, boards.frames(board).missed);
+    EXPECT_EQ(values.health(board).connected, boards.health(board).connected);
+    EXPECT_EQ(values.health(board).hello, boards.health(board).hello);
+    EXPECT_EQ(values.health(board).self_test, boards.health(board).self_test);
+    EXPECT_EQ(values.health(board).uptime_ms, boards.health(board).uptime_ms);
+  }
+
+  tick(0);  // starts the timer
+  tick(100);
+  wire::Effects together;
+  values.on_tick(SimTime{}, together);
+  values.on_tick(SimTime{milliseconds{100}}, together);
+  EXPECT_THAT(together, IsEmpty()) << "before they are flushed";
+  values.flush(together);
+  ASSERT_THAT(together, SizeIs(1));
+  const auto& frames = dynamic_cast<const wire::BoardFrames&>(*std::get<wire::SendBytes>(together.front()).typed);
+  for (const Board board : {Board::PILS, Board::DOBS, Board::RALI}) {
+    std::vector<wire::BoardMessage> of_board;
+    for (const auto& frame : frames.frames())
+      if (frame.board == board) of_board.push_back(frame.message);
+    const auto as_bytes = sent_to(board);
+    ASSERT_GE(of_board.size(), as_bytes.size());
+    EXPECT_THAT(std::vector(of_board.end() - static_cast<std::ptrdiff_t>(as_bytes.size()), of_board.end()),
+                testing::ElementsAreArray(as_bytes));
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -49,12 +49,12 @@ TEST(ControlArea, subscribes_to_its_own_server_and_enters_its_zone_at_the_same_p
               AllOf(Contains("cosiva/v1/area/north/zone/+"), Contains("cosiva/v1/area/north/server/heartbeat"),
                     Contains("cosiva/v1/area/north/server/connection")));
   fixture.zone_of("north");
-  fixture.run(0.5);
+  fixture.heartbeat_of("north", 0.5);
   EXPECT_EQ(fixture.map_id(), "north");
   EXPECT_LT(distance(before, *fixture.core->estimated_pose()), 0.001) << "all control areas have one frame in common";
   EXPECT_THAT(fixture.error_types(), IsEmpty());
   fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565"}));
-  fixture.run(1.5);
+  fixture.heartbeat_of("north", 1.5);
   EXPECT_GT(fixture.speed_mps, 0.1);
 }
 
@@ -81,7 +81,7 @@ TEST(ControlArea, changes_servers_and_supervises_the_heartbeat_of_the_new_one_on
   fixture.heartbeat_of("north", 0.5);
   fixture.owner("south");
   fixture.zone_of("south");
-  fixture.run(1.0);
+  fixture.heartbeat_of("south", 1.0);
   EXPECT_EQ(fixture.map_id(), "south");
   EXPECT_THAT(fixture.error_types(), Not(Contains("serverLost"))) << "the old server's heartbeat does not matter";
   EXPECT_THAT(fixture.listens, Not(Contains(HasSubstr("north"))));
@@ -146,7 +146,7 @@ TEST(ControlArea, restores_its_position_after_a_crash_before_it_reports_one_of_a
   fixture.zone_of("north");
   fixture.run(0.3);
   fixture.order(test::order("N-1").through({"loop_se@0", "loop_se@283", "loop_se@565", "loop_se@848"}));
-  fixture.run(4.0);
+  fixture.heartbeat_of("north", 4.0);
   const Pose2 was_stopped = fixture.world.pose();
   ASSERT_GT(distance(was_stopped, test::lacet4().circuit.pose_at(test::at(test::lacet4(), "loop_se", 0.0))), 0.3);
 

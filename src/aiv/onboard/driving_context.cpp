@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/edit/edit.h"
 
@@ -41,6 +42,12 @@ void DrivingContext::adopt_fiducials(const zone::TrafficZone& edited) {
   zone_->closed = edited.closed;
   zone_->diagnostics = edited.diagnostics;
   agent_.vehicle().estimator().forget_doubt();
+}
+
+void DrivingContext::archive(Archive& archive) {
+  // The zone was made from the configuration in force, except for these, which an edit of fiducials leaves as they are.
+  archive(zone_->edges_are_sections, zone_->clearance_m, zone_->spacing_m, zone_->nodes_only);
+  archive(agent_, virtual_bodies_, neighbours_, sighting_);
 }
 
 }  // namespace cosiva::aiv

@@ -7,6 +7,7 @@
 #include "cosiva/aiv/perception/perceived_world.h"
 #include "cosiva/aiv/perception/sighting.h"
 #include "cosiva/aiv/v2x/neighbours.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::aiv {
@@ -44,6 +45,7 @@ class DrivingContext {
   /// Takes tags, beacons, stations and priorities over from an edited configuration of the same circuit
   /// (zone::same_geometry). They are in force at once, also while the vehicle drives.
   void adopt_fiducials(const zone::TrafficZone& edited);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::shared_ptr<zone::TrafficZone> zone_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -13,5 +14,7 @@ void ErrorLog::report(std::string kind, std::string_view text, wire::Effects& ef
   COSIVA_EXPECT(kinds_.size() <= kinds_max);
   effects.emplace_back(wire::Log{'w', std::string(text)});
 }
+
+void ErrorLog::archive(Archive& archive) { archive(kinds_); }
 
 }  // namespace cosiva::aiv

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -19,6 +20,7 @@ class ErrorLog {
   void report(std::string kind, std::string_view text, wire::Effects& effects);
   /// Each kind may be logged again.
   void clear() { kinds_.clear(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<std::string> kinds_;

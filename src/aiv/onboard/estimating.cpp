@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -278,6 +279,17 @@ std::optional<std::string> Estimating::take_response() {
   if (!std::exchange(due_, false)) return std::nullopt;
   COSIVA_EXPECT(last_response_);
   return last_response_->json;
+}
+
+void BoardClock::archive(Archive& archive) { archive(offset_, received_); }
+
+void Estimating::archive(Archive& archive) {
+  if (!archive.reads() && busy()) archive.fail("estimates are requested on board; their algorithms cannot be stored");
+  if (archive.reads()) {
+    session_.reset();
+    requested_.reset();
+  }
+  archive(requested_at_, last_response_, due_);
 }
 
 }  // namespace cosiva::aiv

@@ -8,6 +8,7 @@
 #include "cosiva/aiv/estimation/algorithm.h"
 #include "cosiva/aiv/estimation/registry.h"
 #include "cosiva/aiv/localisation/estimator.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/own/estimate_exchange.h"
@@ -20,6 +21,7 @@ namespace cosiva::aiv {
 class BoardClock {
  public:
   [[nodiscard]] SimTime stamp(SimTime now, std::uint32_t board_ms);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<SimDuration> offset_;  ///< own time less the board's
@@ -57,6 +59,7 @@ class Estimating {
   void on_zone_switched();
   /// The response that is due now, if any.
   [[nodiscard]] std::optional<std::string> take_response();
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Running {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -58,5 +59,7 @@ void EstimationService::on_tag(SimTime now, const wire::TagRead& tag, const Driv
 void EstimationService::publish(Session& session, wire::Effects& effects) {
   if (auto json = estimating_.take_response()) session.publish_estimate(std::move(*json), effects);
 }
+
+void EstimationService::archive(Archive& archive) { archive(estimating_, pils_clock_, errors_); }
 
 }  // namespace cosiva::aiv

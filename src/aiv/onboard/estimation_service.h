@@ -4,6 +4,7 @@
 #include "cosiva/aiv/onboard/error_log.h"
 #include "cosiva/aiv/onboard/estimating.h"
 #include "cosiva/aiv/onboard/session.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -22,6 +23,7 @@ class EstimationService {
   void on_tag(SimTime now, const wire::TagRead& tag, const DrivingContext& context);
   void on_zone_switched() { estimating_.on_zone_switched(); }
   void publish(Session& session, wire::Effects& effects);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   Estimating estimating_;

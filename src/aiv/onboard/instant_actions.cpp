@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -56,5 +57,7 @@ void InstantActionBook::on_new_order() {
   const std::string kept = last_limit == states_.rend() ? std::string{} : last_limit->action_id;
   std::erase_if(states_, [&](const wire::ActionState& state) { return ended(state) && state.action_id != kept; });
 }
+
+void InstantActionBook::archive(Archive& archive) { archive(states_, detected_); }
 
 }  // namespace cosiva::aiv

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::aiv {
@@ -29,6 +30,7 @@ class InstantActionBook {
   void on_new_order();
 
   [[nodiscard]] const std::vector<wire::ActionState>& states() const { return states_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<wire::ActionState> states_;

@@ -1,5 +1,6 @@
 #include "cosiva/aiv/onboard/onboard_core.h"
 
+#include <functional>
 #include <utility>
 
 #include "cosiva/aiv/onboard/action_executor.h"
@@ -17,6 +18,7 @@
 #include "cosiva/aiv/onboard/v2x_participant.h"
 #include "cosiva/aiv/onboard/virtual_perception.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/wire/vda5050/codec.h"
@@ -31,13 +33,29 @@ void log(wire::Effects& effects, char level, std::string text) {
   effects.emplace_back(wire::Log{level, std::move(text)});
 }
 
+/// The vehicle is stopped, and no order or command makes it drive.
+/// @param context  null: no zone is known
+bool is_idle(const DrivingContext* context) {
+  if (context == nullptr) return true;
+  const VehicleState& vehicle = context->vehicle();
+  return vehicle.motion().stopped() && !vehicle.order().active() && !vehicle.joining() && !vehicle.back_up().active();
+}
+
+/// Subscribes to all topics besides subscriptions().
+void subscribe(const V2xParticipant& v2x, const ServerSelection& server, wire::Effects& effects) {
+  std::vector<std::string> filters = v2x.filters();
+  const std::vector<std::string> of_server = server.filters();
+  filters.insert(filters.end(), of_server.begin(), of_server.end());
+  effects.emplace_back(wire::Listen{std::move(filters)});
+}
+
 }  // namespace
 
 /// The parts of the program, and the dispatch of inputs to them.
 struct OnboardCore::Parts {
   explicit Parts(OnboardOptions o)
       : options{std::move(o)},
-        boards{options.number},
+        boards{options.number, options.as_values},
         supervision{options.link_timeout},
         session{options.id, options.interface_name, options.as_values},
         reporter{options},
@@ -47,13 +65,19 @@ struct OnboardCore::Parts {
         actions{{session, reporter, positions, drive_cycle, zones, server}},
         orders{{session, reporter, actions, drive_cycle, zones}, options.cycle} {}
 
+  void archive(Archive& archive);
   void on_restore(const wire::Input& input, wire::Effects& effects);
   void on_link(const wire::Input& input, wire::Effects& effects);
   void on_port(const wire::Input& input);
   void on_bytes(const wire::Input& input, wire::Effects& effects);
+  void on_frames(SimTime now, const wire::BoardFrames& frames, wire::Effects& effects);
   void on_message(const wire::Input& input, wire::Effects& effects);
   void on_tick(SimTime now, wire::Effects& effects);
 
+  /// @param messages  of one board; `message_of` gives the content of each
+  template <typename Messages, typename MessageOf>
+  void on_board_messages(SimTime now, wire::Board board, const Messages& messages, MessageOf message_of,
+                         wire::Effects& effects);
   void on_board(SimTime now, const wire::Hello& hello);
   void on_board(SimTime now, const wire::Odometry& odometry);
   void on_board(SimTime now, const wire::TagRead& tag);
@@ -63,14 +87,14 @@ struct OnboardCore::Parts {
   void on_virtual_bodies(const wire::Input& input, wire::Effects& effects);
   void on_owner(const wire::Input& input, wire::Effects& effects);
   void on_server_connection(const wire::Input& input, wire::Effects& effects);
+  /// The virtual bodies of the server that the vehicle obeyed no longer exist, and it may be supervised no longer.
+  void on_server_end();
   void on_zone(SimTime now, const zone::ZoneConfiguration& announced, std::shared_ptr<const zone::Rtm> built,
                wire::Effects& effects);
   void on_zone_message(const wire::Input& input, wire::Effects& effects);
   void enter_first_zone(SimTime now, const zone::Rtm& rtm, wire::Effects& effects);
   void end_zone_switch(SimTime now, wire::Effects& effects);
 
-  /// Subscribes to all topics besides subscriptions().
-  void subscribe(wire::Effects& effects) const;
   void publish_detection(SimTime now, wire::Effects& effects);
   /// The boards respond a moment after the program: reported at once, their absence would raise six false alarms.
   [[nodiscard]] bool starting_up(SimTime now) const;
@@ -101,9 +125,9 @@ void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& eff
 
 void OnboardCore::Parts::on_link(const wire::Input& input, wire::Effects& effects) {
   const bool up = input.payload == "up";
-  supervision.broker(input.at, up);
   session.set_online(up);
   if (!up) return;
+  supervision.on_broker_message(input.at);
   session.publish(input.at, wire::ConnectionState::online, effects);
   if (context) reporter.publish_factsheet(input.at, context->zone(), session, effects);
   reporter.request_report();
@@ -119,25 +143,44 @@ void OnboardCore::Parts::on_port(const wire::Input& input) {
 }
 
 void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effects) {
+  if (const auto* frames = wire::frames_of(input.typed.get())) return on_frames(input.at, *frames, effects);
   const auto board = boards.board_of(input.source);
   if (!board) return;
-  for (const wire::BoardMessage& message : boards.on_bytes(*board, input.payload)) {
-    supervision.on_board_message(input.at, *board);
+  on_board_messages(input.at, *board, boards.on_bytes(*board, input.payload), std::identity{}, effects);
+}
+
+void OnboardCore::Parts::on_frames(SimTime now, const wire::BoardFrames& frames, wire::Effects& effects) {
+  for (std::size_t next = 0; next < frames.frames().size();) {
+    const auto of_board = frames.run_of_board(next);
+    next += of_board.size();
+    boards.on_frames(of_board);
+    on_board_messages(now, of_board.front().board, of_board, &wire::BoardFrames::Frame::message, effects);
+    // As after each board's bytes; after the last board's frames handle() does.
+    if (next < frames.frames().size()) reporter.publish_state(sources(now), starting_up(now), session, effects);
+  }
+}
+
+template <typename Messages, typename MessageOf>
+void OnboardCore::Parts::on_board_messages(SimTime now, wire::Board board, const Messages& messages,
+                                           MessageOf message_of, wire::Effects& effects) {
+  for (const auto& each : messages) {
+    supervision.on_board_message(now, board);
     std::visit(
         [&](const auto& m) {
           // Heartbeats belong to the link, and commands are not messages of a board.
-          if constexpr (requires { on_board(input.at, m); }) on_board(input.at, m);
+          if constexpr (requires { on_board(now, m); }) on_board(now, m);
         },
-        message);
+        std::invoke(message_of, each));
   }
-  if (boards.take_new_ranges()) publish_detection(input.at, effects);
+  if (boards.take_new_ranges()) publish_detection(now, effects);
   estimation.publish(session, effects);
 }
 
 void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
   const wire::ServerTopics& topics = server.topics();
   if (input.source == topics.heartbeat) {
-    if (!input.flag) supervision.on_server_heartbeat(input.at);
+    // A retained heartbeat is of unknown age.
+    if (!input.flag && !input.payload.empty()) supervision.on_server_heartbeat(input.at);
   } else if (input.source == session.topics().virtual_obstacles) {
     on_virtual_bodies(input, effects);
   } else if (input.source == session.topics().order) {
@@ -209,11 +252,13 @@ void OnboardCore::Parts::on_virtual_bodies(const wire::Input& input, wire::Effec
 
 void OnboardCore::Parts::on_owner(const wire::Input& input, wire::Effects& effects) {
   if (!server.on_owner(input.payload, effects)) return;
-  // No message of the new server has arrived yet, and the virtual bodies of the old server no longer exist.
-  supervision.server_left();
-  if (context) context->virtual_bodies().forget();
+  if (server.has_area())
+    supervision.expect_server(input.at);
+  else
+    supervision.server_left();
+  on_server_end();
   perception.request_response();
-  subscribe(effects);
+  subscribe(v2x, server, effects);
 }
 
 void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Effects& effects) {
@@ -223,6 +268,12 @@ void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Ef
   if (!state) return log(effects, 'w', "the server's connection message has no connectionState");
   if (*state != wire::vda5050::to_string(wire::ConnectionState::offline)) return;
   supervision.server_left();
+  on_server_end();
+}
+
+void OnboardCore::Parts::on_server_end() {
+  if (!is_idle(context.get())) return;  // the message may be wrong: the bodies expire, and the watchdog stays armed
+  (void)supervision.release_server();
   if (context) context->virtual_bodies().forget();
 }
 
@@ -278,6 +329,8 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
 
 void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
   boards.on_tick(now, effects);
+  if (supervision.take_link_check(now)) session.publish(now, wire::LinkCheck{}, effects);
+  if (is_idle(context.get()) && supervision.release_server() && context) context->virtual_bodies().forget();
   if (context) {
     drive_cycle.run(now, *context, effects);
     actions.end_waits(context->vehicle());
@@ -291,18 +344,11 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     positions.on_tick(now, *context, effects);
     reporter.update_display(now, context->agent(), boards, effects);
     reporter.publish_visualization(now, *context, session, effects);
-    if (v2x.update_cell(*context)) subscribe(effects);
+    if (v2x.update_cell(*context)) subscribe(v2x, server, effects);
     v2x.publish_intent(now, *context, session, effects);
   }
   if (!starting_up(now)) reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);
   reporter.compare_flags(flags_of(sources(now)));
-}
-
-void OnboardCore::Parts::subscribe(wire::Effects& effects) const {
-  std::vector<std::string> filters = v2x.filters();
-  const std::vector<std::string> of_server = server.filters();
-  filters.insert(filters.end(), of_server.begin(), of_server.end());
-  effects.emplace_back(wire::Listen{std::move(filters)});
 }
 
 void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) {
@@ -346,11 +392,13 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
       break;
     case wire::InputKind::restore: parts.on_restore(input, effects); break;
     case wire::InputKind::proposal:
-    case wire::InputKind::persisted: return;  // of a store, which gives them to no core
+    case wire::InputKind::persisted:
+    case wire::InputKind::snapshot: return;  // of a store, which gives them to no core
     case wire::InputKind::link: parts.on_link(input, effects); break;
     case wire::InputKind::port: parts.on_port(input); break;
     case wire::InputKind::bytes: parts.on_bytes(input, effects); break;
     case wire::InputKind::message:
+      parts.supervision.on_broker_message(now_);
       // Intents are no reason to report: they come often, and change nothing that a state contains.
       if (input.source.starts_with(wire::v2x_topic_prefix)) {
         if (parts.context) parts.v2x.on_intent(now_, input, *parts.context, effects);
@@ -363,6 +411,7 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
   }
   COSIVA_EXPECT(parts.zones.maps().empty() == (parts.context == nullptr));
   parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.session, effects);
+  parts.boards.flush(effects);
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
@@ -373,6 +422,7 @@ std::vector<std::string> OnboardCore::subscriptions() const {
           topics.instant_actions,
           topics.virtual_obstacles,
           topics.estimate_request,
+          topics.link_check,
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
           wire::topics_below(wire::zone_topic_prefix, 1)};
@@ -389,6 +439,7 @@ void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
     parts_->positions.save_now(*context, effects);
   }
   parts_->session.publish(now, wire::ConnectionState::offline, effects);
+  parts_->boards.flush(effects);
 }
 
 void OnboardCore::fold(Digest& digest) const {
@@ -438,5 +489,22 @@ std::optional<Pose2> OnboardCore::estimated_pose() const {
 double OnboardCore::estimated_speed_mps() const {
   return parts_->context ? parts_->context->vehicle().motion().speed_mps() : 0.0;
 }
+
+void OnboardCore::Parts::archive(Archive& archive) {
+  archive(boards, supervision, session, server, zones);
+  bool in_zone = context != nullptr;
+  archive(in_zone);
+  if (archive.reads()) {
+    context.reset();
+    const zone::ZoneConfiguration* configuration = zones.configuration();
+    if (!archive.failed() && in_zone != (configuration != nullptr)) archive.fail("a vehicle without its zone");
+    const auto rtm = archive.failed() || !in_zone ? nullptr : zone::rtm_from(archive, *configuration);
+    if (rtm) context = std::make_unique<DrivingContext>(rtm->zone(), options);
+  }
+  if (context) archive(*context);
+  archive(reporter, positions, estimation, v2x, perception, actions);
+}
+
+void OnboardCore::archive(Archive& archive) { archive(*parts_, now_); }
 
 }  // namespace cosiva::aiv

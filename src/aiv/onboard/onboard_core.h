@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cosiva/aiv/onboard/onboard_options.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -34,6 +35,7 @@ class OnboardCore final : public wire::Core {
   /// The estimated pose; nothing until the position is known. For experiments and tests.
   [[nodiscard]] std::optional<Pose2> estimated_pose() const;
   [[nodiscard]] double estimated_speed_mps() const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Parts;

@@ -118,11 +118,11 @@ TEST(Onboard, publishes_nothing_while_the_broker_is_away_and_restarts_when_it_is
 }
 
 TEST(Onboard, subscribes_to_its_topics) {
-  EXPECT_THAT(
-      OnboardFixture{}.core->subscriptions(),
-      ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order", "uagv/v2/CoSiVA/AIV1/instantActions",
-                  "cosiva/v1/virtual_obstacles/CoSiVA/AIV1", "cosiva/v1/estimate/request/CoSiVA/AIV1",
-                  "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
+  EXPECT_THAT(OnboardFixture{}.core->subscriptions(),
+              ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order",
+                          "uagv/v2/CoSiVA/AIV1/instantActions", "cosiva/v1/virtual_obstacles/CoSiVA/AIV1",
+                          "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/link_check/CoSiVA/AIV1",
+                          "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
 TEST(Onboard, reports_battery_boards_and_last_tag) {

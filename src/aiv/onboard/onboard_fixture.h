@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "cosiva/aiv/testing/test_senses.h"
 #include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/wire/module_link/module_link.h"
+#include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/vda5050/codec.h"
@@ -50,7 +52,7 @@ class OnboardFixture {
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
     if (!setup.persisted.empty()) feed(wire::InputKind::restore, "state", setup.persisted);
-    if (setup.broker_up) feed(wire::InputKind::link, "broker", "up");
+    if (setup.broker_up) link(true);
     if (setup.boards_up) {
       for (const wire::Board board : wire::all_boards) plug(board);
     }
@@ -66,9 +68,11 @@ class OnboardFixture {
   /// The board stops responding; its cable stays.
   void silence(wire::Board board) { alive.erase(board); }
   void send_from_board(wire::Board board, const wire::BoardMessage& message) {
+    board_message_at[board] = now;
     feed(wire::InputKind::bytes, wire::port_name(1, board), encoders_[board].encode(message));
   }
   void receive(std::string_view topic, std::string payload, bool retained = false) {
+    broker_message_at = now;
     feed(wire::InputKind::message, std::string(topic), std::move(payload), retained);
   }
   void order(const wire::Order& text) {
@@ -81,7 +85,11 @@ class OnboardFixture {
     receive(wire::vda_topic({"CoSiVA", "AIV1"}, "instantActions"), wire::vda5050::encode(message));
   }
   [[nodiscard]] wire::Header header() const { return {1, now, "2.1.0", "CoSiVA", "AIV1"}; }
-  void link(bool up) { feed(wire::InputKind::link, "broker", up ? "up" : "down"); }
+  void link(bool up) {
+    linked_ = up;
+    if (up) broker_message_at = now;
+    feed(wire::InputKind::link, "broker", up ? "up" : "down");
+  }
 
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * 100.0)); ++i) step();
@@ -96,7 +104,11 @@ class OnboardFixture {
     ++steps_;
     roll(0.01);
     const auto every = [&](int count) { return steps_ % count == 0; };
-    if (server_heartbeats && every(10)) receive(wire::server_heartbeat_topic, R"({"headerId":1})");
+    if (linked_ && !broker_frozen) {
+      if (server_heartbeats && every(10)) receive(wire::server_heartbeat_topic, R"({"headerId":1})");
+      for (; !echoes_.empty() && echoes_.front() <= now; echoes_.pop_front())
+        receive(wire::own_topic(wire::link_check_topic_prefix, {"CoSiVA", "AIV1"}), "{}");
+    }
     if (every(10)) {
       for (const wire::Board board : alive) send_from_board(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }
@@ -157,6 +169,11 @@ class OnboardFixture {
   AivMotion& ground_truth{world.ground_truth};
   double& speed_mps{world.speed_mps};
   bool server_heartbeats{false};
+  bool broker_frozen{false};  ///< its connection stays open, and nothing passes
+  int link_checks{0};         ///< published by the vehicle
+  SimDuration echo_delay{};   ///< after which the broker returns a message of the vehicle to itself
+  SimTime broker_message_at{};
+  std::map<wire::Board, SimTime> board_message_at;
   std::uint16_t charge{900};
   std::set<wire::Board> alive;
   std::map<wire::Board, std::uint8_t> self_test;
@@ -219,6 +236,9 @@ class OnboardFixture {
       keep(wire::vda5050::decode_connection(publish.payload), connections, publish);
     } else if (name == "factsheet") {
       keep(wire::vda5050::decode_factsheet(publish.payload), factsheets, publish);
+    } else if (publish.topic == wire::own_topic(wire::link_check_topic_prefix, id)) {
+      ++link_checks;
+      echoes_.push_back(now + echo_delay);
     } else if (publish.topic == wire::own_topic(wire::virtual_obstacles_ack_topic_prefix, id)) {
       keep(wire::virtual_obstacles_ack_from_json(publish.payload), felts, publish);
     } else if (publish.topic == wire::own_topic(wire::detected_obstacle_topic_prefix, id)) {
@@ -247,6 +267,8 @@ class OnboardFixture {
   }
 
   int steps_{0};
+  bool linked_{false};
+  std::deque<SimTime> echoes_;  ///< when the broker returns the messages of the vehicle to itself
   std::map<wire::Board, wire::module_link::Encoder> encoders_;
   std::map<std::string, wire::module_link::Decoder> decoders_;
   std::optional<wire::Drive> drive_;

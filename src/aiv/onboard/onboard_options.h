@@ -35,6 +35,7 @@ struct OnboardOptions {
                                                      ///< decided on at once
   SimDuration visualization_period{std::chrono::milliseconds{100}};
   SimDuration state_period{std::chrono::seconds{1}};
+  /// The vehicle brakes when broker, server or a board has sent nothing for longer than this (Supervision).
   SimDuration link_timeout{std::chrono::milliseconds{500}};
   bool as_values{false};  ///< all parties are in this process: messages are passed on as values
                           ///< (wire/in_process/typed_message.h); not in JSON

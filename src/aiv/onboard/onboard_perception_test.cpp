@@ -192,12 +192,17 @@ TEST(Perception, expires_after_a_second_without_messages_and_this_is_acknowledge
   EXPECT_THAT(fixture.felts, SizeIs(before + 1)) << "the first message after that is acknowledged";
 }
 
-TEST(Perception, ends_when_the_server_leaves) {
+TEST(Perception, ends_when_the_server_leaves_a_vehicle_without_an_order) {
   Driving fixture;
   fixture.run_with({Driving::person(fixture.s_m() + 0.5)}, 3.0);
   EXPECT_EQ(fixture.speed_mps, 0.0);
   fixture.server_heartbeats = false;
   fixture.receive(wire::server_connection_topic, R"({"connectionState":"OFFLINE","timestamp":"2026-01-01T00:00:00Z"})");
+  fixture.run(1.5);
+  EXPECT_EQ(fixture.speed_mps, 0.0) << "it has an order of that server";
+  fixture.act("cancelOrder", "c");
+  fixture.run(0.1);
+  fixture.order(test::order("M-1").through({"loop_se@283", "loop_se@565", "loop_se@2545"}));
   fixture.run(0.5);
   EXPECT_GT(fixture.speed_mps, 0.0);
 }

@@ -15,6 +15,10 @@ class Periodic {
     next_ = next_ && now - *next_ < period_ ? *next_ + period_ : now + period_;
     return true;
   }
+  template <typename Archive>
+  void archive(Archive& archive) {
+    archive(next_);
+  }
 
  private:
   SimDuration period_;

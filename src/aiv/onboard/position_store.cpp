@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -175,5 +176,10 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
 }
 
 std::string PositionStore::saved_json() const { return saved_ ? to_json(*saved_) : std::string{}; }
+
+void PositionStore::archive(Archive& archive) {
+  archive(start_counts_, restored_, saved_, pils_session_, timer_, saved_um_, saved_manoeuvre_, requested_,
+          was_stopped_);
+}
 
 }  // namespace cosiva::aiv

@@ -8,6 +8,7 @@
 #include "cosiva/aiv/onboard/onboard_options.h"
 #include "cosiva/aiv/onboard/periodic.h"
 #include "cosiva/aiv/onboard/persisted_position.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -41,6 +42,7 @@ class PositionStore {
   void save_now(const DrivingContext& context, wire::Effects& effects);
   /// What was saved last where messages pass as values; empty: nothing yet.
   [[nodiscard]] std::string saved_json() const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void restrict(Agent& agent) const;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/messages/topics.h"
 
@@ -31,5 +32,7 @@ std::vector<std::string> ServerSelection::filters() const {
   if (area_.empty()) return {};
   return {wire::topics_below(topics_.zone_prefix, 1), topics_.connection, topics_.heartbeat};
 }
+
+void ServerSelection::archive(Archive& archive) { archive(area_, topics_); }
 
 }  // namespace cosiva::aiv

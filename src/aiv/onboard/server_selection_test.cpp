@@ -22,7 +22,9 @@ TEST(ServerSelection, follows_its_owner_there_and_back) {
   EXPECT_EQ(server.topics(), wire::server_topics("north"));
   EXPECT_EQ(server.filters().size(), 3U) << "zone, connection and heartbeat";
   EXPECT_FALSE(server.on_owner(owner("north"), effects)) << "the same owner again";
+  EXPECT_TRUE(server.has_area());
   EXPECT_TRUE(server.on_owner("", effects));
+  EXPECT_FALSE(server.has_area());
   EXPECT_TRUE(server.filters().empty());
   EXPECT_EQ(effects.size(), 2U) << "one line per change";
 }

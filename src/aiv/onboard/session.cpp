@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/estimate_exchange.h"
@@ -26,6 +27,7 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
       .virtual_obstacles = wire::own_topic(wire::virtual_obstacles_topic_prefix, id),
       .owner = wire::own_topic(wire::owner_topic_prefix, id),
       .estimate_request = wire::own_topic(wire::estimate_request_topic_prefix, id),
+      .link_check = wire::own_topic(wire::link_check_topic_prefix, id),
       .connection = wire::vda_topic(id, "connection", interface_name),
       .state = wire::vda_topic(id, "state", interface_name),
       .visualization = wire::vda_topic(id, "visualization", interface_name),
@@ -97,6 +99,13 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
   effects.emplace_back(wire::Publish{topics_.boards, to_json(report), 0, false});
 }
 
+void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects) {
+  if (!online_) return;
+  check.header_id = next_.link_check++;
+  check.timestamp = now;
+  effects.emplace_back(wire::Publish{topics_.link_check, to_json(check), 0, false});
+}
+
 void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
   if (online_) effects.emplace_back(wire::Publish{topics_.estimate_response, std::move(json), 0, false});
 }
@@ -166,5 +175,7 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
   };
   return sheet;
 }
+
+void Session::archive(Archive& archive) { archive(online_, next_); }
 
 }  // namespace cosiva::aiv

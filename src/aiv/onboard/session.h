@@ -5,9 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
@@ -23,6 +25,7 @@ struct SessionTopics {
   std::string virtual_obstacles;
   std::string owner;
   std::string estimate_request;
+  std::string link_check;  ///< published, too
   // Published.
   std::string connection;
   std::string state;
@@ -57,6 +60,7 @@ class Session {
   void publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects);
   void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
+  void publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects);
   /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
   /// To vehicles near this cell of the intent's map.
@@ -64,6 +68,7 @@ class Session {
 
   /// Whether the message is meant for this vehicle, in a version that it supports (2.x). Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// The id of the next message of each topic (§6.4).
@@ -75,6 +80,7 @@ class Session {
     std::uint32_t detected_obstacle{0};
     std::uint32_t boards{0};
     std::uint32_t intent{0};
+    std::uint32_t link_check{0};
   };
   [[nodiscard]] wire::Header header(SimTime now, std::uint32_t header_id) const;
 

@@ -22,6 +22,19 @@ struct SessionTest : ::testing::Test {
   const wire::Publish& last() { return std::get<wire::Publish>(effects.back()); }
 };
 
+TEST_F(SessionTest, sends_link_checks_to_itself_while_it_is_online) {
+  session.publish(SimTime{}, wire::LinkCheck{}, effects);
+  EXPECT_TRUE(effects.empty());
+  session.set_online(true);
+  session.publish(SimTime{}, wire::LinkCheck{}, effects);
+  session.publish(SimTime{}, wire::LinkCheck{}, effects);
+  EXPECT_EQ(last().topic, "cosiva/v1/link_check/CoSiVA/AIV1");
+  EXPECT_EQ(last().topic, session.topics().link_check);
+  EXPECT_EQ(last().payload, R"({"headerId":1,"timestamp":"1970-01-01T00:00:00.000Z"})");
+  EXPECT_EQ(last().qos, 0);
+  EXPECT_FALSE(last().retained);
+}
+
 TEST_F(SessionTest, publishes_nothing_while_the_broker_is_away) {
   session.publish(SimTime{}, wire::State{}, effects);
   session.publish(SimTime{}, wire::ConnectionState::online, effects);

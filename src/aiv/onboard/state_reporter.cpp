@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -69,6 +70,11 @@ void StateReporter::update_display(SimTime now, const Agent& agent, BoardsLink& 
   if (text == displayed_) return;
   boards.send(wire::Board::PRAV, wire::Display{text}, effects);
   displayed_ = std::move(text);
+}
+
+void StateReporter::archive(Archive& archive) {
+  archive(warnings_, requested_, published_at_, flags_, visualization_timer_, boards_timer_, display_timer_,
+          displayed_);
 }
 
 }  // namespace cosiva::aiv

@@ -12,6 +12,7 @@
 #include "cosiva/aiv/onboard/report.h"
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -42,6 +43,7 @@ class StateReporter {
                              wire::Effects& effects);
   void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
   void update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::string serial_number_;

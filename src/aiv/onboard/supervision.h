@@ -4,21 +4,44 @@
 #include <cstddef>
 #include <optional>
 
+#include "cosiva/aiv/onboard/link_check_timer.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/board.h"
 
 namespace cosiva::aiv {
 
-/// The links that the vehicle needs in order to drive (the vehicle's promise 3): its broker, its four boards, and a
-/// server from its first heartbeat on. Invariant: of a broker that is up, the time is known since when it may be lost.
+/// The partners that the vehicle needs in order to drive (the vehicle's promise 3): its broker, its four boards, and
+/// its server from the first heartbeat on. Only messages prove that a partner is alive: a frozen process keeps its
+/// connection open.
+///
+/// The server counts until it has left and the vehicle has stopped without an order (release_server()): no message by
+/// itself ends the supervision of a vehicle that drives or has an order. A third-party master control publishes no
+/// heartbeat, so that for its vehicles only broker and boards count.
+///
+/// Invariant: only a server that is supervised can have left.
 class Supervision {
  public:
-  explicit Supervision(SimDuration timeout) : timeout_{timeout} {}
+  /// @param timeout  a partner that has sent nothing for longer than this is lost; positive (checked)
+  explicit Supervision(SimDuration timeout);
 
-  void broker(SimTime now, bool up);
-  void on_server_heartbeat(SimTime now) { server_heartbeat_at_ = now; }
-  /// The server went offline cleanly: another master may drive the vehicle, or none.
-  void server_left() { server_heartbeat_at_.reset(); }
+  /// Any message that arrives from the broker, or the broker's acceptance of the connection.
+  void on_broker_message(SimTime now) { broker_message_at_ = now; }
+  /// Time since the last message from the broker; nothing: none has arrived yet.
+  [[nodiscard]] std::optional<SimDuration> broker_quiet_for(SimTime now) const;
+  /// True once for each check of the link that is due (LinkCheckTimer).
+  [[nodiscard]] bool take_link_check(SimTime now) { return link_check_timer_.due(now, broker_quiet_for(now)); }
+
+  void on_server_heartbeat(SimTime now);
+  /// The vehicle belongs to another server, whose heartbeat is expected in place of the present server's: by the same
+  /// time, or within the timeout from now where no server was supervised.
+  void expect_server(SimTime now);
+  /// The server has ended cleanly, or the vehicle belongs to no server any more: another master control may drive the
+  /// vehicle, or none. Valid until the next heartbeat.
+  void server_left();
+  /// The vehicle has stopped and has no order: a server that has left is supervised no longer. True: from now on.
+  bool release_server();
+
   void on_board_message(SimTime now, wire::Board board) { board_message_at_[index(board)] = now; }
   void forget_board(wire::Board board) { board_message_at_[index(board)].reset(); }
 
@@ -28,14 +51,16 @@ class Supervision {
   }
   [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const;
   [[nodiscard]] bool any_board_lost(SimTime now) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] static std::size_t index(wire::Board board) { return static_cast<std::size_t>(board) - 1; }
 
   SimDuration timeout_;
-  bool broker_up_{false};
-  std::optional<SimTime> broker_up_at_;  ///< when it was last up; nothing: never
-  std::optional<SimTime> server_heartbeat_at_;
+  std::optional<SimTime> broker_message_at_;
+  LinkCheckTimer link_check_timer_;
+  std::optional<SimTime> server_heartbeat_at_;  ///< or when it was first expected; nothing: no server is supervised
+  bool server_left_{false};
   std::array<std::optional<SimTime>, wire::all_boards.size()> board_message_at_{};
 };
 

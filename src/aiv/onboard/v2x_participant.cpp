@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/received_intents.h"
 
@@ -19,7 +20,8 @@ constexpr SimDuration intent_interval_min = std::chrono::milliseconds{100};
 
 }  // namespace
 
-V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled) : id_{std::move(id)}, enabled_{enabled} {}
+V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled)
+    : id_{std::move(id)}, name_{wire::to_string(id_)}, enabled_{enabled} {}
 
 bool V2xParticipant::update_cell(const DrivingContext& context) {
   const PositionEstimator& estimator = context.vehicle().position();
@@ -40,7 +42,7 @@ std::vector<std::string> V2xParticipant::filters() const {
 void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects) {
   // A retained intent is of unknown age. An intent that comes before the pose is known was not subscribed to.
   if (!enabled_ || input.flag || !context.vehicle().position().pose_known()) return;
-  const auto topic = wire::parse_v2x_topic(input.source);
+  const wire::V2xTopic* topic = wire::received_v2x_topic(input.source);
   if (!topic) return;
   const auto refuse = [&](std::string kind, const std::string& why) {
     constexpr std::size_t topic_bytes_max = 120;
@@ -78,8 +80,7 @@ void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Sessio
   const bool due = requested_ || since >= period || since < SimDuration::zero();
   if (!due && alone) return;
   const zone::TrafficZone& zone = context.zone();
-  const auto priority =
-      static_cast<std::uint32_t>(std::clamp(zone.priority_of(wire::to_string(id_)), 0, zone::priority_max));
+  const auto priority = static_cast<std::uint32_t>(std::clamp(zone.priority_of(name_), 0, zone::priority_max));
   const auto& crossings = context.crossings();
   if (!due && last_intent_.priority == priority && !is_news(last_intent_, agent, zone, crossings)) return;
   wire::Intent intent = compose_intent(agent, zone, crossings);
@@ -90,6 +91,10 @@ void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Sessio
   published_at_ = now;
   last_intent_ = intent;
   session.publish(now, *cell_, std::move(intent), effects);
+}
+
+void V2xParticipant::archive(Archive& archive) {
+  archive(cell_, cell_map_, last_intent_, published_at_, requested_, errors_);
 }
 
 }  // namespace cosiva::aiv

@@ -7,6 +7,7 @@
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/error_log.h"
 #include "cosiva/aiv/onboard/session.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -31,9 +32,11 @@ class V2xParticipant {
   [[nodiscard]] Others survey(SimTime now, DrivingContext& context) const;
   void publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects);
   void on_zone_switched() { errors_.clear(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   wire::VehicleId id_;
+  std::string name_;  ///< of the vehicle, as in the zone's priorities
   bool enabled_;
   std::optional<wire::Cell> cell_;
   std::string cell_map_;

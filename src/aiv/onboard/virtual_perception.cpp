@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -76,6 +77,10 @@ void VirtualPerception::on_zone_switched() {
   contact_ = {};
   ack_due_ = true;
   errors_.clear();
+}
+
+void VirtualPerception::archive(Archive& archive) {
+  archive(response_, ack_due_, errors_);  // the contact is found anew before each decision
 }
 
 }  // namespace cosiva::aiv

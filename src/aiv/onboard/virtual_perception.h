@@ -3,6 +3,7 @@
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/error_log.h"
 #include "cosiva/aiv/onboard/session.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -28,6 +29,7 @@ class VirtualPerception {
   /// The server is new or has lost its state: the next list is acknowledged in any case.
   void request_response() { ack_due_ = true; }
   void on_zone_switched();
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -17,5 +18,7 @@ void Warnings::add(std::string type, std::string description, std::vector<wire::
 void Warnings::on_update() {
   std::erase_if(all_, [](const wire::VehicleError& warning) { return warning.type == "orderUpdateError"; });
 }
+
+void Warnings::archive(Archive& archive) { archive(all_); }
 
 }  // namespace cosiva::aiv

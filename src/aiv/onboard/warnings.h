@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 
@@ -20,6 +21,7 @@ class Warnings {
   /// An accepted update removes the warnings about its forerunners: a rolling order may never be followed by a new one.
   void on_update();
   [[nodiscard]] const std::vector<wire::VehicleError>& all() const { return all_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<wire::VehicleError> all_;

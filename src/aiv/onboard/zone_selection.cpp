@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/edit/edit.h"
 
@@ -68,5 +69,7 @@ void ZoneSelection::list_maps() {
   maps_ = {map_info(name_, *configuration_, true)};
   if (pending_) maps_.push_back(map_info(pending_->zone().name, pending_->configuration(), false));
 }
+
+void ZoneSelection::archive(Archive& archive) { archive(configuration_, name_, pending_, refusal_, maps_); }
 
 }  // namespace cosiva::aiv

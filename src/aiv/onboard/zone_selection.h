@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"
@@ -37,11 +38,16 @@ class ZoneSelection {
   /// The zone is in force from now on, and none is pending.
   void enforce(const zone::Rtm& rtm);
 
+  /// Of the zone in force; null: none.
+  [[nodiscard]] const zone::ZoneConfiguration* configuration() const {
+    return configuration_ ? &*configuration_ : nullptr;
+  }
   /// Null: none.
   [[nodiscard]] const std::shared_ptr<const zone::Rtm>& pending() const { return pending_; }
   /// Why the zone announced last is not used; empty: it is.
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
   [[nodiscard]] const std::vector<wire::MapInfo>& maps() const { return maps_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] Decision refuse(const Error& error, char level, wire::Effects& effects);

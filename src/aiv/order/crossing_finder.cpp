@@ -1,9 +1,17 @@
 #include "cosiva/aiv/order/crossing_finder.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace cosiva::aiv {
 namespace {
+
+/// Stable, and without the memory that std::stable_sort allocates: the spans of a few sections are nearly in order.
+void sort_by_entry(std::vector<CrossingSpan>& spans) {
+  for (std::size_t i = 1; i < spans.size(); ++i) {
+    for (std::size_t j = i; j > 0 && spans[j].entry_m < spans[j - 1].entry_m; --j) std::swap(spans[j], spans[j - 1]);
+  }
+}
 
 /// Two spans of one crossing that meet at a joint are one span.
 constexpr double joint_m = 1e-6;
@@ -44,7 +52,7 @@ void CrossingFinder::ahead(const Outlook& outlook, double reach_m, std::size_t c
     start_m += circuit_.section(ahead.section()).length_m();
     if (!ahead.step()) break;
   }
-  std::ranges::stable_sort(out, {}, &CrossingSpan::entry_m);
+  sort_by_entry(out);
   double exit_m = 0.0;
   std::size_t first = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {

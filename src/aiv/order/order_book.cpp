@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cosiva/aiv/order/order_check.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -237,6 +238,10 @@ std::vector<wire::EdgeState> OrderBook::edge_states() const {
   states.reserve(edges_.size());
   for (const wire::OrderEdge& edge : edges_) states.push_back({edge.edge_id, edge.sequence_id, edge.released});
   return states;
+}
+
+void OrderBook::archive(Archive& archive) {
+  archive(cancelled_, ids_, last_node_, targets_, edges_, travelled_m_, base_end_path_m_, accepted_at_);
 }
 
 }  // namespace cosiva::aiv

@@ -8,6 +8,7 @@
 
 #include "cosiva/aiv/order/order_locator.h"
 #include "cosiva/aiv/order/order_route.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/zone/circuit/course.h"
@@ -107,6 +108,7 @@ class OrderBook {
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
   /// Along the order from its first node, as Target::path_m counts.
   [[nodiscard]] double travelled_m() const { return travelled_m_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] Result<Verdict> offer_new(const wire::Order& order, const StartState& reference);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -13,28 +14,45 @@ Corridor::Corridor(const zone::TrafficZone& zone, Model model)
   COSIVA_EXPECT(model.beam_ratio >= 0.0 && model.beam_ratio <= 0.5);
 }
 
-double Corridor::echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const {
+void Corridor::aim(const wire::Ranges& ranges) {
+  const std::size_t count = ranges.range_mm.size();
+  if (beams_.size() == count && ranges.first_bearing_crad == first_bearing_crad_ &&
+      ranges.beam_width_crad == beam_width_crad_)
+    return;
+  first_bearing_crad_ = ranges.first_bearing_crad;
+  beam_width_crad_ = ranges.beam_width_crad;
+  beams_.clear();
+  const double width_rad = 0.01 * beam_width_crad_;
+  const double spread_rad = model_.beam_ratio * width_rad;
+  for (std::size_t beam = 0; beam < count; ++beam) {
+    const double bearing_rad = 0.01 * first_bearing_crad_ + width_rad * static_cast<double>(beam);
+    beams_.push_back({sincos(bearing_rad), sincos(bearing_rad - spread_rad), sincos(bearing_rad + spread_rad)});
+  }
+}
+
+double Corridor::echo_forward_m(double range_m, const Beam& beam, double spread_rad) const {
   const double front_m = 0.5 * zone_.vehicle.length_m;
   const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
   // A point next to the path is at most half a step from a sample's normal.
   const double near_m = norm(half_m, 0.5 * model_.sample_m);
   double nearest_m = std::numeric_limits<double>::infinity();
-  for (const double side : {0.0, -1.0, 1.0}) {
-    const auto [sin, cos] = sincos(bearing_rad + side * spread_rad);
+  // Most echoes come from other lanes: where the centre of the beam is this far off, the sides of the beam are off too.
+  const double spread_m = near_m + spread_rad * range_m;
+  for (std::size_t side = 0; side < beam.size(); ++side) {
+    const auto [sin, cos] = beam[side];
     const Point2 echo_B{front_m + range_m * cos, range_m * sin};
-    const PathLookAhead::Offset there = look_ahead_.off_path(echo_B);
+    const PathLookAhead::Offset there = look_ahead_.off_path(echo_B, side == 0 ? spread_m : near_m);
     if (there.distance2_m2 < near_m * near_m)
       nearest_m = std::min(nearest_m, look_ahead_.along_path_m(echo_B, there.sample) - front_m);
-    // Most echoes come from other lanes: where the centre of the beam is this far off, the sides of the beam are off
-    // too.
-    const double spread_m = near_m + spread_rad * range_m;
-    if (side == 0.0 && there.distance2_m2 > spread_m * spread_m) break;
+    if (side == 0 && there.distance2_m2 > spread_m * spread_m) break;
   }
   // An echo next to the body or behind its front is not an obstacle ahead but a contact.
   return std::max(0.0, nearest_m);
 }
 
 Corridor::Scan Corridor::scan(const Outlook& outlook, const wire::Ranges& ranges) {
+  aim(ranges);
+  COSIVA_EXPECT(beams_.size() == ranges.range_mm.size());
   const double width_rad = 0.01 * ranges.beam_width_crad;
   Scan nearest;
   bool sampled = false;
@@ -44,8 +62,7 @@ Corridor::Scan Corridor::scan(const Outlook& outlook, const wire::Ranges& ranges
     if (range_m > reach_m()) continue;
     if (!sampled) look_ahead_.sample(outlook);
     sampled = true;
-    const double bearing_rad = 0.01 * ranges.first_bearing_crad + width_rad * static_cast<double>(beam);
-    const double ahead_m = echo_ahead_m(range_m, bearing_rad, model_.beam_ratio * width_rad);
+    const double ahead_m = echo_forward_m(range_m, beams_[beam], model_.beam_ratio * width_rad);
     if (ahead_m < nearest.ahead_m) nearest = {ahead_m, beam};
   }
   return nearest;
@@ -78,5 +95,7 @@ void ObstacleFilter::add(double obstacle_ahead_m, double travelled_m) {
   COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m <= median_m_; }) >= 2);
   COSIVA_EXPECT(std::ranges::count_if(detected_m_, [this](double frame_m) { return frame_m >= median_m_; }) >= 2);
 }
+
+void ObstacleFilter::archive(Archive& archive) { archive(detected_m_, next_, median_m_); }
 
 }  // namespace cosiva::aiv

@@ -2,10 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "cosiva/aiv/perception/path_look_ahead.h"
+#include "cosiva/base/archive_fwd.h"
+#include "cosiva/base/math.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -53,12 +57,19 @@ class Corridor {
 
  private:
   [[nodiscard]] Point2 echo(const wire::Ranges& ranges, std::size_t beam) const;
+  /// Along a beam's centre, and along the lines to both of its sides on which an echo may lie.
+  using Beam = std::array<SinCos, 3>;
   /// From the vehicle's front along the path to one echo; infinite outside the corridor.
-  [[nodiscard]] double echo_ahead_m(double range_m, double bearing_rad, double spread_rad) const;
+  [[nodiscard]] double echo_forward_m(double range_m, const Beam& beam, double spread_rad) const;
+  /// Computes the beams' directions, unless they are those of the frame before, as for one sensor they always are.
+  void aim(const wire::Ranges& ranges);
 
   const zone::TrafficZone& zone_;
   Model model_;
   PathLookAhead look_ahead_;
+  std::vector<Beam> beams_;  ///< of frames with this first bearing and width
+  std::int16_t first_bearing_crad_{};
+  std::uint16_t beam_width_crad_{};
 };
 
 /// The last three frames' median: one missed or false echo changes no decision. Invariant: two frames on either side.
@@ -68,6 +79,7 @@ class ObstacleFilter {
   void add(double obstacle_ahead_m, double travelled_m);
   [[nodiscard]] double obstacle_ahead_m(double travelled_m) const { return median_m_ - travelled_m; }
   void clear() { *this = {}; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   static constexpr double nothing = std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cosiva/aiv/motion/outlook.h"
+#include "cosiva/base/math.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/zone/circuit/circuit.h"
 
@@ -12,7 +13,8 @@ namespace cosiva::aiv {
 
 /// The path ahead of the vehicle as evenly spaced points in its body frame, and the position of other points relative
 /// to this path. Detected obstacles (Corridor) and bodies known from messages (PerceivedWorld) are evaluated by the
-/// same path. A body off the path drives straight to where it joins the path. Invariant: 0 < step < reach.
+/// same path. A body off the path drives straight to where it joins the path. Most points of the path are never
+/// compared with anything, so each is computed when it is first needed. Invariant: 0 < step < reach.
 class PathLookAhead {
  public:
   /// @param sample_m  between two points of the path
@@ -22,7 +24,7 @@ class PathLookAhead {
   void sample(const Outlook& outlook);
   /// Of the path sampled last: less than the reach where the circuit ends.
   [[nodiscard]] double length_m() const {
-    return samples_B_.empty() ? 0.0 : static_cast<double>(samples_B_.size() - 1) * sample_m_;
+    return samples_.empty() ? 0.0 : static_cast<double>(samples_.size() - 1) * sample_m_;
   }
   [[nodiscard]] double sample_m() const { return sample_m_; }
 
@@ -31,15 +33,40 @@ class PathLookAhead {
     std::size_t sample;
     double distance2_m2;
   };
-  [[nodiscard]] Offset off_path(Point2 p_B) const;
+  /// @param within_m  of interest: beyond it the distance may be given as infinite, which is found out sooner
+  [[nodiscard]] Offset off_path(Point2 p_B, double within_m = std::numeric_limits<double>::infinity()) const;
   /// From the body origin along the path to the point next to p, near the sample; negative behind the body origin.
   [[nodiscard]] double along_path_m(Point2 p_B, std::size_t sample) const;
 
  private:
+  struct Sample {
+    zone::TrackPosition position;
+    Point2 p_B;
+    bool computed;
+  };
+  [[nodiscard]] Point2 in_body(Point2 p_M) const;
+  /// Computes the sample at its first use.
+  [[nodiscard]] Point2 at(std::size_t sample) const {
+    if (!samples_[sample].computed) compute(sample);
+    return samples_[sample].p_B;
+  }
+  void compute(std::size_t sample) const;
+  /// Computes every coarse sample, and the box around them.
+  void begin();
+  /// The distances of all coarse samples from a point, to coarse_m_, and the least of them: no sample is nearer than
+  /// that by more than `skipped_m()`.
+  [[nodiscard]] double coarse_distance_m(Point2 p_B) const;
+  [[nodiscard]] double skipped_m() const;
+
   const zone::Circuit& circuit_;
   double sample_m_;
   double reach_m_;
-  std::vector<Point2> samples_B_;  ///< reused to spare allocations
+  Pose2 X_MB_{};
+  SinCos turn_{0.0, 1.0};                 ///< of the body's heading
+  mutable std::vector<Sample> samples_;   ///< reused to spare allocations
+  mutable std::vector<double> coarse_m_;  ///< likewise
+  Point2 low_B_{};                        ///< the box around the coarse samples
+  Point2 high_B_{};
 };
 
 }  // namespace cosiva::aiv

@@ -111,5 +111,28 @@ TEST(PathLookAhead, has_a_sample_exactly_at_its_reach_and_at_the_end_of_a_sectio
   EXPECT_EQ(samples.off_path({1.0, 0.0}).sample, 4U);
 }
 
+TEST(PathLookAhead, gives_points_within_the_requested_distance_exactly_and_others_as_beyond_it) {
+  const zone::Circuit circuit = test::lay({{0.5}, {0.8, 2.0}, {2.0, -1.0}}, false);
+  PathLookAhead look_ahead{circuit, 0.03, 1.3};
+  look_ahead.sample(zone::TrackPosition{0, 0.2});
+  std::size_t within = 0;
+  for (const double within_m : {0.05, 0.1, 0.25}) {
+    for (double x_m = -0.4; x_m < 1.6; x_m += 0.017) {
+      for (double y_m = -0.7; y_m < 1.3; y_m += 0.019) {
+        const auto exact = look_ahead.off_path({x_m, y_m});
+        const auto found = look_ahead.off_path({x_m, y_m}, within_m);
+        if (exact.distance2_m2 > within_m * within_m) {
+          EXPECT_GT(found.distance2_m2, within_m * within_m) << x_m << " " << y_m;
+        } else {
+          ++within;
+          EXPECT_EQ(found.distance2_m2, exact.distance2_m2) << x_m << " " << y_m;
+          EXPECT_EQ(found.sample, exact.sample);
+        }
+      }
+    }
+  }
+  EXPECT_GT(within, 1000U);
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -53,5 +54,7 @@ void PerceivedWorld::fold(Digest& digest) const {
     digest.add(body.y_m);
   }
 }
+
+void PerceivedWorld::archive(Archive& archive) { archive(ahead_, received_at_, news_at_); }
 
 }  // namespace cosiva::aiv

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "cosiva/aiv/perception/body_gap.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/own/own_messages.h"
@@ -48,6 +49,7 @@ class PerceivedWorld {
   [[nodiscard]] Contact first(SimTime now, const Outlook& outlook);
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   Model model_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -74,5 +75,7 @@ void Sighting::fold(Digest& digest) const {
   digest.add(std::int64_t{misses_});
   digest.add(std::int64_t{farewells_left_});
 }
+
+void Sighting::archive(Archive& archive) { archive(there_, misses_, farewells_left_, reported_at_); }
 
 }  // namespace cosiva::aiv

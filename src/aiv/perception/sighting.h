@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "cosiva/aiv/perception/corridor.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -34,6 +35,7 @@ class Sighting {
                                                                      const wire::Ranges& ranges, const Pose2& X_MS,
                                                                      double reach_m);
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] bool due(SimTime now) const {

@@ -30,7 +30,7 @@ void each_crossing(const VehicleState& vehicle, const zone::TrafficZone& zone, c
   const OrderBook& order = vehicle.order();
   const bool goes_on = order.active() && vehicle.holds().bits() == 0 && !vehicle.progress().cancelling();
   const double base_m = order.distance_to_base_end_m();
-  std::vector<CrossingSpan> ahead;
+  static thread_local std::vector<CrossingSpan> ahead;  // reused in every cycle of every vehicle
   crossing_spans.ahead(vehicle.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
   for (const CrossingSpan& crossing_span : ahead) {
     const bool ends_there = !order.horizon_left() && base_m > crossing_span.entry_m;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
@@ -24,7 +24,16 @@ constexpr double rests_mps = 0.02;
 /// Newer, on a counter that wraps.
 bool newer(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) > 0; }
 
-auto name_of(const wire::Intent& intent) { return std::tie(intent.vehicle.manufacturer, intent.vehicle.serial_number); }
+/// The serial number distinguishes nearly all vehicles.
+bool same(const wire::VehicleId& a, const wire::VehicleId& b) {
+  return a.serial_number == b.serial_number && a.manufacturer == b.manufacturer;
+}
+
+/// By manufacturer, then by serial number.
+bool is_before(const wire::VehicleId& a, const wire::VehicleId& b) {
+  const int order = a.manufacturer.compare(b.manufacturer);
+  return order != 0 ? order < 0 : a.serial_number < b.serial_number;
+}
 
 double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 
@@ -61,19 +70,20 @@ bool Neighbours::leaps(const KnownIntent& before, SimTime now, const wire::Inten
 Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic,
                                         std::shared_ptr<const wire::Intent> received, Point2 own) {
   const wire::Intent& intent = *received;
-  if (intent.vehicle == self_ || topic.vehicle == self_) return Verdict::own;
+  if (same(intent.vehicle, self_) || same(topic.vehicle, self_)) return Verdict::own;
   if (intent.map_id != zone_.name) return Verdict::other_map;
   const Point2 at = position(intent.pose);
-  if (intent.vehicle != topic.vehicle || wire::outside_cell_m(topic.cell, at) > outside_cell_m_max ||
+  if (!same(intent.vehicle, topic.vehicle) || wire::outside_cell_m(topic.cell, at) > outside_cell_m_max ||
       !(std::fabs(intent.speed_mps) <= speed_mps_max_))
     return Verdict::implausible;
   const auto off_m = [&](Point2 p) { return std::max(std::fabs(p.x_m - own.x_m), std::fabs(p.y_m - own.y_m)); };
   if (!(off_m(at) <= model_.near_m)) return Verdict::far;
 
   age(now);
-  const auto by_name = [](const KnownIntent& h) { return name_of(*h.intent); };
-  const auto known = std::ranges::lower_bound(received_, name_of(intent), {}, by_name);
-  if (known != received_.end() && known->intent->vehicle == intent.vehicle) {
+  const auto by_name = [](const KnownIntent& h) -> const wire::VehicleId& { return h.intent->vehicle; };
+  const auto known =
+      std::ranges::find_if(received_, [&](const KnownIntent& h) { return same(h.intent->vehicle, intent.vehicle); });
+  if (known != received_.end()) {
     if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
     if (leaps(*known, now, intent)) {
       // Two senders use one name, or one reports a false pose: neither is known to be right.
@@ -89,11 +99,11 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
     if (off_m(position(furthest->intent->pose)) <= off_m(at)) return Verdict::crowded;
     received_.erase(furthest);
   }
-  const auto before = std::ranges::lower_bound(received_, name_of(intent), {}, by_name);
+  const auto before = std::ranges::lower_bound(received_, intent.vehicle, is_before, by_name);
   const auto added = received_.insert(before, KnownIntent{std::move(received), now});
   COSIVA_EXPECT(received_.size() <= model_.count_max);
-  COSIVA_EXPECT(added == received_.begin() || by_name(*std::prev(added)) < by_name(*added));
-  COSIVA_EXPECT(std::next(added) == received_.end() || by_name(*added) < by_name(*std::next(added)));
+  COSIVA_EXPECT(added == received_.begin() || is_before(by_name(*std::prev(added)), by_name(*added)));
+  COSIVA_EXPECT(std::next(added) == received_.end() || is_before(by_name(*added), by_name(*std::next(added))));
   return Verdict::first;
 }
 
@@ -188,5 +198,7 @@ void Neighbours::fold(Digest& digest) const {
     digest.add(received.at);
   }
 }
+
+void Neighbours::archive(Archive& archive) { archive(received_); }
 
 }  // namespace cosiva::aiv

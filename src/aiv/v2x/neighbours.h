@@ -12,6 +12,7 @@
 #include "cosiva/aiv/order/crossing_finder.h"
 #include "cosiva/aiv/perception/body_gap.h"
 #include "cosiva/aiv/v2x/intent.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/own/v2x.h"
@@ -61,6 +62,7 @@ class Neighbours {
   [[nodiscard]] Others around(SimTime now, const Agent& agent);
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct KnownIntent {

@@ -26,8 +26,9 @@ std::string folder_of(const JournalArguments& arguments) {
 }
 
 std::string_view name_of(std::uint8_t kind) {
-  constexpr std::array<std::string_view, 11> names{"?",       "configure", "message", "link",     "bytes",    "port",
-                                                   "command", "tick",      "restore", "proposal", "persisted"};
+  constexpr std::array<std::string_view, 12> names{"?",       "configure", "message",   "link",
+                                                   "bytes",   "port",      "command",   "tick",
+                                                   "restore", "proposal",  "persisted", "snapshot"};
   if (kind == journal::format::end_kind) return "end";
   return kind < names.size() ? names[kind] : names[0];
 }

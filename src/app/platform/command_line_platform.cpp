@@ -24,6 +24,25 @@ void add_part(Command command, PartArguments& part) {
   command.add_flag("--announce", part.announce).hidden();
 }
 
+void add_limits(Command command, ServerLimitArguments& limits) {
+  command.add_option("--vehicles-max", limits.vehicles_max, "vehicles that the server accepts")
+      .value_name("N")
+      .in_range(std::uint32_t{1}, std::uint32_t{100'000})
+      .show_default();
+  command
+      .add_option("--expire", limits.entries_expire_s,
+                  "a name without a vehicle is removed this number of seconds after its last message; 0: never")
+      .value_name("S")
+      .in_range(0.0, 3600.0)
+      .show_default();
+  command
+      .add_option("--vehicle-rate-max", limits.vehicle_rate_max_per_s,
+                  "messages per second that are accepted of one vehicle; 0: unlimited")
+      .value_name("N")
+      .in_range(0.0, 1e6)
+      .show_default();
+}
+
 constexpr const char* up_examples =
     "Examples:\n"
     "  cosiva up --aivs 8                                   eight AIVs, until Ctrl-C\n"
@@ -56,6 +75,14 @@ void describe_up(Command command, UpArguments& up) {
   command.add_option("--record", up.record_file, "record all inputs of the server in a journal (see `replay`)")
       .value_name("FILE");
   command.add_option("--log-dir", up.log_directory, "folder of the logs; it is not deleted").value_name("DIR");
+  command.add_option("--log-size", up.log_limits.file_size_max_mb, "largest size of a log file, in MB")
+      .value_name("MB")
+      .in_range(std::uint32_t{1}, std::uint32_t{10'000})
+      .show_default();
+  command.add_option("--log-files", up.log_limits.files_max, "number of files of each log; older ones are deleted")
+      .value_name("N")
+      .in_range(std::uint32_t{1}, std::uint32_t{100})
+      .show_default();
   command
       .add_option("--store", up.store,
                   "continue with what this folder keeps: commands, stops, virtual objects, edits; without: a new one "
@@ -84,6 +111,7 @@ void describe_up(Command command, UpArguments& up) {
   command.add_switch("--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
   command.add_switch("--convoys", up.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  add_limits(command, up.limits);
   const Option gvs = command.add_flag("--gvs", up.gvs,
                                       "a camera over the zone measures each AIV's position, and is shown on the "
                                       "page (docs/guide/gvs.md); without further options: the emulated world's");
@@ -115,6 +143,7 @@ void describe_server(Command command, ServerArguments& server) {
   command.add_switch("--v2x", server.v2x, "its virtual AIVs send V2X messages about their intent to AIVs nearby");
   command.add_switch("--convoys", server.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
+  add_limits(command, server.limits);
   command.add_flag("--headless", server.headless, "no page; /api/v1 remains available");
   command.add_option("--web", server.web_directory, "the page's built files, if not web/dist").value_name("DIR");
   command
@@ -134,6 +163,7 @@ void describe_server(Command command, ServerArguments& server) {
   command.add_flag("--emulated", server.emulated, "there is a plant: the page may show its ground truth");
   command.add_option("--fleet", server.fleet).hidden();
   command.add_option("--zone-file", server.zone_file).hidden();
+  command.add_option("--parts", server.parts_file).hidden();
   command.add_option("--watch-file", server.watch_file).hidden();
   command.add_option("--scenario-began", server.began_ms).hidden();
   command.add_option("--scenario-steps-done", server.steps_done).hidden();

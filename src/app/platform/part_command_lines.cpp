@@ -87,6 +87,9 @@ Argv PartCommandLines::server(const ServerProgress& progress) const {
     append(line, {"--scenario-began", std::to_string(progress.scenario_began_ms)});
     append(line, {"--scenario-steps-done", std::to_string(progress.steps_done)});
   }
+  append(line, {"--parts", run_ / parts_file_name, "--vehicles-max", std::to_string(arguments.limits.vehicles_max)});
+  append(line, {"--expire", number_text(arguments.limits.entries_expire_s)});
+  append(line, {"--vehicle-rate-max", number_text(arguments.limits.vehicle_rate_max_per_s)});
   option(line, "--rules", arguments.rules);
   if (!arguments.v2x) append(line, {"--v2x", "off"});
   if (!arguments.convoys) append(line, {"--convoys", "off"});

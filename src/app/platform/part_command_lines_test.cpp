@@ -70,10 +70,11 @@ TEST_F(PartCommands, start_a_vehicle_at_its_position) {
 }
 
 TEST_F(PartCommands, start_the_server_with_the_options_of_the_run) {
-  EXPECT_THAT(line(Part::server),
-              ElementsAre("server", "--broker", "127.0.0.1:1883", "--port", "8080", "--summary",
-                          folder + "/server.json", "--announce", "--fleet", "3", "--emulated", "--store",
-                          folder + "/store", "--name", "Thursday", "--zone-file", arguments.zone));
+  EXPECT_THAT(line(Part::server), ElementsAre("server", "--broker", "127.0.0.1:1883", "--port", "8080", "--summary",
+                                              folder + "/server.json", "--announce", "--fleet", "3", "--emulated",
+                                              "--store", folder + "/store", "--name", "Thursday", "--zone-file",
+                                              arguments.zone, "--parts", folder + "/parts.json", "--vehicles-max",
+                                              "2000", "--expire", "600", "--vehicle-rate-max", "500"));
   arguments.watch = true;
   arguments.convoys = false;
   arguments.v2x = false;
@@ -81,7 +82,11 @@ TEST_F(PartCommands, start_the_server_with_the_options_of_the_run) {
   arguments.rules = "crisp";
   arguments.web_directory = "page";
   arguments.record_file = "day.journal";
+  arguments.limits = {64, 30.5, 120.0};
   const auto argv = line(Part::server);
+  EXPECT_EQ(value(argv, "--vehicles-max"), "64");
+  EXPECT_EQ(value(argv, "--expire"), "30.5");
+  EXPECT_EQ(value(argv, "--vehicle-rate-max"), "120");
   EXPECT_EQ(value(argv, "--watch-file"), arguments.zone);
   EXPECT_EQ(value(argv, "--convoys"), "off");
   EXPECT_EQ(value(argv, "--v2x"), "off");

@@ -1,7 +1,13 @@
 #include "cosiva/app/platform/server_command.h"
 
+#include <chrono>
+#include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "cosiva/adapters/files.h"
+#include "cosiva/adapters/stop/stop_sender.h"
 #include "cosiva/adapters/store/live_store.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/platform/gvs_view.h"
@@ -16,6 +22,7 @@
 #include "cosiva/experiments/runs/world/fleet.h"
 #include "cosiva/hmi/server_page.h"
 #include "cosiva/virtual/server/core/server_core.h"
+#include "cosiva/wire/messages/stop_target.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/control_areas.h"
 
@@ -24,20 +31,32 @@ namespace {
 
 using adapters::EventLoop;
 using adapters::LiveShell;
+using adapters::StopSender;
+
+/// How often the sender of Stops is given the list of vehicles.
+constexpr std::chrono::milliseconds stop_list_period{100};
 
 PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerCore& core, LiveShell& shell,
-                   const std::string& scenario_name) {
+                   StopSender& stops, const std::string& scenario_name) {
   PageHost host;
   host.core = &core;
   host.command = [&shell](const std::string& source, std::string json,
                           std::shared_ptr<const virtual_side::DecodedCommand> decoded, PageHost::Decided decided) {
-    if (!virtual_side::is_stop(*decoded))
-      return shell.command(source, std::move(json), std::move(decoded), std::move(decided));
-    shell.urgent_command(source, std::move(json), std::move(decoded), [] {});
-    decided({});
+    shell.command(source, std::move(json), std::move(decoded), std::move(decided));
   };
+  host.stop = [&shell](const std::string& source, std::string json,
+                       std::shared_ptr<const virtual_side::DecodedCommand> decoded, std::function<void()> durable) {
+    shell.urgent_command(source, std::move(json), std::move(decoded), std::move(durable));
+  };
+  host.stop_line.send = [&stops](const std::string& id, const std::vector<std::string>& vehicles) {
+    return stops.send(id, vehicles);
+  };
+  host.stop_line.lift = [&stops](const std::vector<std::string>& vehicles) { stops.lift(vehicles); };
+  host.stop_line.unconfirmed = [&stops](const std::string& id) { return stops.unconfirmed(id); };
   host.now = [] { return adapters::WallClock{}.now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();
+  if (!arguments.parts_file.empty())
+    host.parts_json = [file = arguments.parts_file] { return adapters::read_file(file).value_or(""); };
   host.run_name = arguments.name.empty() ? default_run_name("live") : arguments.name;
   host.scenario_name = scenario_name;
   // A zone given by its file is edited in place; a ready one, given by its name, never.
@@ -79,6 +98,39 @@ Result<std::unique_ptr<adapters::MqttClient>> ground_truth_for(EventLoop& loop, 
   return adapters::MqttClient::make(loop, std::move(*mqtt), {std::string(wire::ground_truth_topic)}, std::nullopt,
                                     std::move(handlers));
 }
+
+/// Publishes Stops over a connection and a thread of its own.
+Result<std::unique_ptr<StopSender>> stop_sender_for(EventLoop& loop, const ServerArguments& arguments) {
+  auto mqtt = mqtt_options(arguments.part.broker, "cosiva-stop" + (arguments.area.empty() ? "" : "-" + arguments.area));
+  if (!mqtt) return tl::unexpected(mqtt.error());
+  adapters::StopHandlers handlers;
+  handlers.on_log = [&loop](char, const std::string& text) { loop.post([text] { print_info("cosiva: " + text); }); };
+  return StopSender::open(std::move(*mqtt), std::move(handlers));
+}
+
+/// Gives the sender of Stops the vehicles that the core knows.
+///
+/// Invariant: the sender has the list `given_`.
+class StopListFeed {
+ public:
+  StopListFeed(EventLoop& loop, const virtual_side::ServerCore& core, StopSender& stops)
+      : core_{core}, stops_{stops}, timer_{loop} {
+    timer_.every(stop_list_period, [this] { give(); });
+  }
+
+ private:
+  void give() {
+    auto targets = core_.stop_targets();
+    if (targets == given_) return;
+    given_ = targets;
+    stops_.know(std::move(targets));
+  }
+
+  const virtual_side::ServerCore& core_;
+  StopSender& stops_;
+  std::vector<wire::StopTarget> given_;
+  adapters::Timer timer_;
+};
 
 /// Waits until the fleet is complete, announces this to `up`, and begins the scenario.
 class FleetWatch {
@@ -140,6 +192,9 @@ int run_server(const ServerArguments& arguments) {
   options.v2x = arguments.v2x;
   options.convoys = arguments.convoys;
   options.map_download_link = arguments.map_link;
+  options.vehicles_max = arguments.limits.vehicles_max;
+  options.entries_expire_after = from_seconds(arguments.limits.entries_expire_s);
+  options.vehicle_messages_per_s_max = arguments.limits.vehicle_rate_max_per_s;
   // The server listens on this machine only; vehicles elsewhere need an address from which they can download the file.
   if (options.map_download_link.empty() && arguments.port != 0)
     options.map_download_link = "http://127.0.0.1:" + std::to_string(arguments.port) + "/api/v1/zone/file";
@@ -177,13 +232,15 @@ int run_server(const ServerArguments& arguments) {
   if (!store) return report_error(store.error());
   live->store = std::move(*store);
   virtual_side::ServerCore core{options};
-  live->takes_earlier_commands = [&core] { return core.takes_earlier_commands(); };
   auto client_options =
       mqtt_options(arguments.part.broker, "cosiva-gvs" + (arguments.area.empty() ? "" : "-" + arguments.area));
   if (!client_options) return report_error(client_options.error());
   LiveShell shell{loop, core, std::move(*live)};
   GvsView gvs{loop, std::move(*client_options)};
-  PageHost host = page_host(arguments, core, shell, scenario.name);
+  auto stops = stop_sender_for(loop, arguments);
+  if (!stops) return report_error(stops.error());
+  StopListFeed stop_list{loop, core, **stops};
+  PageHost host = page_host(arguments, core, shell, **stops, scenario.name);
   host.gvs_preview = [&gvs] { return gvs.latest_image(); };
   auto page = ServerPage::open(loop, std::move(host), arguments.port, find_web_root(arguments.web_directory),
                                arguments.headless);

@@ -5,6 +5,7 @@
 
 #include "cosiva/app/cli/common_arguments.h"
 #include "cosiva/app/platform/keep_option.h"
+#include "cosiva/app/platform/limit_arguments.h"
 
 namespace cosiva::app {
 
@@ -20,6 +21,7 @@ struct ServerArguments {
   bool no_drive{false};
   bool v2x{true};  ///< of its virtual AIVs
   bool convoys{true};
+  ServerLimitArguments limits;
   bool headless{false};
   std::string web_directory;
   /// The folder of its store; empty: `$XDG_STATE_HOME/cosiva/store`, with the name of the area where there is one.
@@ -29,6 +31,7 @@ struct ServerArguments {
   std::string name;                ///< of the run, for the page
   std::string rules{"fuzzy"};      ///< of its virtual AIVs: crisp, fuzzy or a file
   // For `up`:
+  std::string parts_file;       ///< the parts of the platform, which the page shows (Supervisor)
   std::uint32_t fleet{0};       ///< announce when this number of vehicles is matched
   std::string zone_file;        ///< where edits of the zone may be saved
   std::string watch_file;       ///< the zone's file to watch

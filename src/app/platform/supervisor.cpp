@@ -4,6 +4,7 @@
 #include <csignal>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
@@ -32,10 +33,12 @@ constexpr milliseconds failing_max{60'000};
 
 }  // namespace
 
-Supervisor::Supervisor(adapters::EventLoop& loop, std::string children_file,
-                       std::function<void(const std::string&)> on_failing)
-    : loop_{loop}, children_file_{std::move(children_file)}, on_failing_{std::move(on_failing)}, watch_{loop} {
-  watch_.every(watch_period, [this] { kill_hanging(); });
+Supervisor::Supervisor(adapters::EventLoop& loop, Files files, std::function<void(const std::string&)> on_failing)
+    : loop_{loop}, files_{std::move(files)}, on_failing_{std::move(on_failing)}, watch_{loop} {
+  watch_.every(watch_period, [this] {
+    kill_hanging();
+    record_parts();
+  });
 }
 
 Supervisor::~Supervisor() { ending_ = true; }
@@ -45,7 +48,7 @@ std::function<Result<Child*>(Supervisor::OnExit)> Supervisor::launcher(Program p
   return [this, owner, program = std::move(program)](OnExit on_exit) -> Result<Child*> {
     adapters::ChildOptions options;
     options.argv = program.argv();
-    options.log_file = program.log_file;
+    options.on_log = program.on_log;
     options.on_line = program.on_line;
     options.on_exit = std::move(on_exit);
     auto started = Child::start(loop_, std::move(options));
@@ -76,6 +79,7 @@ void Supervisor::died(Running& running, const ChildExit& exit) {
   record_children();
   if (ending_) return end_next_stage();
   const std::string& name = running.member.name;
+  running.last_error = std::exchange(running.hung, false) ? "no response; " + to_string(exit) : to_string(exit);
   if (!running.member.respawns) {
     print_info(name + " has ended: " + to_string(exit));
     return;
@@ -120,13 +124,17 @@ void Supervisor::kill_hanging() {
                std::to_string(std::chrono::duration_cast<std::chrono::seconds>(hangs_after).count()) +
                " s; it is killed");
     running->missed_periods.reset();
+    running->hung = true;
     running->child->signal(SIGKILL);
   }
 }
 
 void Supervisor::start_again(Running& running) {
   if (ending_) return;
+  ++running.restarts;
   if (auto launched = launch(running); !launched) {
+    running.last_error = launched.error().message;
+    running.failures = std::max(running.failures, 1);
     print_info("cosiva: " + to_string(launched.error()));
     running.respawn.after(failing_max, [this, &running] { start_again(running); });
     if (on_failing_) on_failing_(running.member.name);
@@ -163,7 +171,40 @@ void Supervisor::record_children() const {
   }
   json.end_array().end_object();
   // The file is only a convenience for operators and tests: a failed write stops nothing.
-  static_cast<void>(adapters::write_file(children_file_, json.text()));
+  static_cast<void>(adapters::write_file(files_.children, json.text()));
+}
+
+std::string_view Supervisor::state_of(const Running& running) {
+  const bool stable = running.alive() && Steady::now() - running.born >= starts_min;
+  if (running.failures > 0 && !stable) return "failing";
+  if (running.alive()) return "running";
+  return running.member.respawns ? "restarting" : "ended";
+}
+
+std::string Supervisor::parts_json() const {
+  JsonWriter json;
+  json.begin_array();
+  for (const auto& running : members_) {
+    json.begin_object()
+        .field("name", running->member.name)
+        .field("state", state_of(*running))
+        .field("restarts", running->restarts)
+        .key("last_error");
+    if (running->last_error.empty())
+      json.null();
+    else
+      json.value(running->last_error);
+    json.end_object();
+  }
+  json.end_array();
+  return json.take();
+}
+
+void Supervisor::record_parts() {
+  std::string parts = parts_json();
+  if (parts == recorded_parts_) return;
+  // A failed write is repeated in the next period.
+  if (adapters::write_file(files_.parts, parts)) recorded_parts_ = std::move(parts);
 }
 
 }  // namespace cosiva::app

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/adapters/child_process.h"
@@ -35,11 +36,13 @@ class Supervisor {
     std::chrono::milliseconds respawn_delay{0};
   };
 
-  /// @param children_file  always up to date: {"children":[{"name","pid"}…]}
-  /// @param on_failing     called with a member whose last five runs were together shorter than ten seconds, once until
-  /// a
-  ///                       longer run
-  Supervisor(adapters::EventLoop& loop, std::string children_file, std::function<void(const std::string&)> on_failing);
+  struct Files {
+    std::string children;  ///< always up to date: {"children":[{"name","pid"}…]}
+    std::string parts;     ///< at most half a second old: parts_json()
+  };
+  /// @param on_failing  called with a member whose last five runs were together shorter than ten seconds, once until a
+  ///                    longer run
+  Supervisor(adapters::EventLoop& loop, Files files, std::function<void(const std::string&)> on_failing);
   ~Supervisor();
 
   /// Starts a member at once. Fails when its program cannot be run.
@@ -47,10 +50,13 @@ class Supervisor {
   /// A sign of life of the member of this name.
   void on_alive(const std::string& name);
   void end(std::function<void()> done);
+  /// [{"name","state":"running|restarting|failing|ended","restarts","last_error"}…], in the order of add(); last_error
+  /// is null for a member that never ended by itself.
+  [[nodiscard]] std::string parts_json() const;
 
   /// A launcher of a CoSiVA process whose command line is `argv()` at each start.
   struct Program {
-    std::string log_file;
+    std::function<void(std::string_view bytes)> on_log;  ///< takes its log (ChildOptions)
     std::function<std::vector<std::string>()> argv;
     std::function<void(const std::string&)> on_line;
   };
@@ -65,6 +71,9 @@ class Supervisor {
     std::deque<std::chrono::steady_clock::duration> runs;  ///< durations of the last runs
     std::optional<int> missed_periods;                     ///< since the last sign of life; nothing before the first
     int failures{0};                                       ///< since on_failing was called; 0: it does not keep failing
+    int restarts{0};
+    std::string last_error;  ///< how it ended, the last time
+    bool hung{false};        ///< it is killed because it sends no signs of life
     explicit Running(adapters::EventLoop& loop, Member m) : member{std::move(m)}, respawn{loop} {}
     [[nodiscard]] bool alive() const { return child != nullptr && child->running(); }
   };
@@ -75,13 +84,16 @@ class Supervisor {
   void kill_hanging();
   void end_next_stage();
   void record_children() const;
+  void record_parts();
+  [[nodiscard]] static std::string_view state_of(const Running& running);
 
   adapters::EventLoop& loop_;
-  std::string children_file_;
+  Files files_;
   std::function<void(const std::string&)> on_failing_;
   std::function<void()> on_ended_;
   std::vector<std::unique_ptr<Running>> members_;
   adapters::Timer watch_;
+  std::string recorded_parts_;
   bool ending_{false};
 };
 

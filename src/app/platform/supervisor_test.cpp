@@ -22,7 +22,7 @@ class Supervised : public ::testing::Test {
   void add(const std::string& name, const std::string& script, int stage = 0, bool respawns = true,
            std::chrono::milliseconds delay = 0ms, bool sends_alive = false) {
     Supervisor::Program program;
-    program.log_file = scratch / (name + ".log");
+    program.on_log = [this](std::string_view bytes) { log += bytes; };
     program.argv = [this, name, script] {
       ++starts[name];
       return std::vector<std::string>{"sh", "-c", script};
@@ -53,9 +53,38 @@ class Supervised : public ::testing::Test {
   std::map<std::string, int> starts;
   std::vector<std::string> lines;
   std::function<void()> on_line;
+  std::string log;
   std::vector<std::string> failing;
-  Supervisor supervisor{loop, scratch / "children.json", [this](const std::string& name) { failing.push_back(name); }};
+  Supervisor supervisor{loop, {scratch / "children.json", scratch / "parts.json"}, [this](const std::string& name) {
+                          failing.push_back(name);
+                        }};
 };
+
+TEST_F(Supervised, records_the_state_of_each_member_for_the_page) {
+  const auto part = [this](std::size_t index) {
+    const auto parts = JsonValue::parse(adapters::read_file(scratch / "parts.json").value_or("[]"));
+    return parts->array()->size() > index ? (*parts->array())[index] : JsonValue{};
+  };
+  add("steady", "sleep 60");
+  add("broken", "echo reason >&2; exit 3");
+  ASSERT_TRUE(until([&] { return part(1).text("state") == "failing"; }));
+  EXPECT_EQ(part(0).text("name"), "steady");
+  EXPECT_EQ(part(0).text("state"), "running");
+  EXPECT_EQ(part(0).number("restarts"), 0.0);
+  EXPECT_TRUE(part(0).find("last_error")->is_null());
+  EXPECT_EQ(part(1).text("name"), "broken");
+  EXPECT_EQ(part(1).text("last_error"), "exit 3");
+  EXPECT_GE(*part(1).number("restarts"), 4.0);
+  EXPECT_TRUE(log.starts_with("reason\n"));
+  EXPECT_TRUE(end());
+}
+
+TEST_F(Supervised, records_a_member_that_has_ended_for_good) {
+  add("once", "exit 0", 0, false);
+  ASSERT_TRUE(until([&] { return supervisor.parts_json().find("ended") != std::string::npos; }));
+  EXPECT_EQ(supervisor.parts_json(), R"([{"name":"once","state":"ended","restarts":0,"last_error":"exit 0"}])");
+  EXPECT_TRUE(end());
+}
 
 TEST_F(Supervised, restarts_and_records_a_killed_member) {
   add("server", "echo up; exec sleep 600");
@@ -125,6 +154,9 @@ TEST_F(Supervised, kills_a_member_that_sends_no_more_signs_of_life_and_starts_it
   on_line = [this] { supervisor.on_alive("aiv1"); };
   ASSERT_TRUE(until([&] { return lines.size() == 2; })) << "its second life";
   EXPECT_EQ(starts["aiv1"], 2);
+  EXPECT_EQ(
+      supervisor.parts_json(),
+      R"json([{"name":"aiv1","state":"running","restarts":1,"last_error":"no response; killed (signal 9)"}])json");
   EXPECT_TRUE(end());
 }
 

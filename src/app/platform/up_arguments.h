@@ -6,6 +6,7 @@
 
 #include "cosiva/app/cli/common_arguments.h"
 #include "cosiva/app/gvs/gvs_source.h"
+#include "cosiva/app/platform/limit_arguments.h"
 
 namespace cosiva::app {
 
@@ -32,6 +33,8 @@ struct UpArguments {
   BrokerArguments broker;
   std::string record_file;
   std::string log_directory;
+  LogLimitArguments log_limits;
+  ServerLimitArguments limits;
   std::string store;  ///< its folder, which the run continues; empty: a new one in the folder of the logs
   std::string keep;   ///< how much of the store is retained (parse_keep); empty: the default
   double respawn_s{5.0};

@@ -9,6 +9,7 @@
 #include "cosiva/adapters/clock.h"
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/files.h"
+#include "cosiva/adapters/log_files.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/gvs/gvs_source.h"
 #include "cosiva/app/platform/keep_option.h"
@@ -42,6 +43,10 @@ constexpr const char* plant_name = "plant";
 constexpr const char* server_name = "server";
 constexpr const char* gvs_name = "gvs";
 
+adapters::LogLimits log_limits(const LogLimitArguments& arguments) {
+  return {std::uint64_t{arguments.file_size_max_mb} * 1'000'000, arguments.files_max};
+}
+
 /// The whole platform as children of this process.
 ///
 /// Invariant: parts are added only before the end of the run begins, and the end begins once.
@@ -51,19 +56,23 @@ class Up {
   Up(RunPlan plan, RunDirectory run)
       : plan_{std::move(plan)},
         run_{std::move(run)},
-        supervisor_{loop_, run_ / children_file_name, [this](const std::string& name) { on_failing(name); }},
+        logs_{loop_, log_limits(plan_.arguments.log_limits),
+              [](const Error& e) { print_info("cosiva: " + to_string(e)); }},
+        supervisor_{loop_,
+                    {run_ / children_file_name, run_ / parts_file_name},
+                    [this](const std::string& name) { on_failing(name); }},
         duration_{loop_},
         arrival_{loop_} {}
 
   int run() {
     loop_.on_signals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
       if (phase_ == Phase::ending) return loop_.stop();  // second signal: at once, without disconnecting
-      interrupted_ = true;
+      outcome_.interrupted = true;
       if (phase_ == Phase::running) end();
     });
     if (auto started = start(); !started) return report_error(started.error());
     phase_ = Phase::running;
-    if (interrupted_) end();
+    if (outcome_.interrupted) end();
     loop_.run();
     return finish();
   }
@@ -110,7 +119,8 @@ class Up {
   Result<BrokerArguments> start_broker() {
     BrokerArguments arguments_of_broker = arguments().broker;
     if (!arguments_of_broker.address.empty()) return arguments_of_broker;
-    auto started = adapters::PrivateBroker::start(loop_, {run_.path(), log(broker_name), {}});
+    if (auto opened = logs_.open(log(broker_name)); !opened) return tl::unexpected(opened.error());
+    auto started = adapters::PrivateBroker::start(loop_, {run_.path(), log(broker_name), {}, to_log(broker_name)});
     if (!started) return tl::unexpected(started.error());
     broker_ = std::move(*started);
     arguments_of_broker.address = "127.0.0.1:" + std::to_string(broker_->port());
@@ -130,8 +140,9 @@ class Up {
 
   Result<void> add(const std::string& name, Stage stage, std::function<PartCommandLines::Argv()> argv) {
     COSIVA_EXPECT(phase_ == Phase::starting);
+    if (auto opened = logs_.open(log(name)); !opened) return opened;
     Supervisor::Program program;
-    program.log_file = log(name);
+    program.on_log = to_log(name);
     program.argv = std::move(argv);
     program.on_line = [this, name](const std::string& line) {
       if (line == alive_event) return supervisor_.on_alive(name);
@@ -151,6 +162,10 @@ class Up {
 
   [[nodiscard]] std::string log(const std::string& name) const {
     return arguments().log_directory + "/" + name + ".log";
+  }
+
+  [[nodiscard]] std::function<void(std::string_view)> to_log(const std::string& name) {
+    return [this, file = log(name)](std::string_view bytes) { logs_.append(file, bytes); };
   }
 
   PartCommandLines::Argv server_command_line() {
@@ -215,7 +230,7 @@ class Up {
 
   void give_up(const std::string& why) {
     print_info("cosiva: " + why + " (" + arguments().log_directory + ")");
-    failed_ = true;
+    outcome_.failed = true;
     end();
   }
 
@@ -244,9 +259,9 @@ class Up {
       print(arguments().json ? run->json : run->text);
     }
     print_info("the logs are in " + arguments().log_directory);
-    if (failed_ || !run || run->collided) return interrupted_ && !run ? exit_done : exit_check_failed;
+    if (outcome_.failed || !run || run->collided) return outcome_.interrupted && !run ? exit_done : exit_check_failed;
     // For a run that the operator ended early, no complete fleet is required.
-    return interrupted_ || run->all_matched ? exit_done : exit_check_failed;
+    return outcome_.interrupted || run->all_matched ? exit_done : exit_check_failed;
   }
 
   /// The core's own metrics from a part's summary file.
@@ -263,6 +278,7 @@ class Up {
   RunDirectory run_;
   EventLoop loop_;
   adapters::WallClock clock_;
+  adapters::LogFiles logs_;  ///< of the parts below
   std::unique_ptr<adapters::PrivateBroker> broker_;
   std::optional<PartCommandLines> command_lines_;  ///< once the broker is known
   std::unique_ptr<LiveTrace> trace_;
@@ -272,8 +288,11 @@ class Up {
   ServerProgress progress_;
   SimTime ended_at_{};
   Phase phase_{Phase::starting};
-  bool interrupted_{false};
-  bool failed_{false};
+  struct Outcome {
+    bool interrupted{false};
+    bool failed{false};
+  };
+  Outcome outcome_;
 };
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 namespace cosiva::app {
 
-/// A world in virtual time behind the page: one event loop for both, and therefore no lock. The page can stop and step
-/// the clock and change its speed.
+/// A world in virtual time behind the page: the page's calls are handled by the world's own event loop, and therefore
+/// without a lock. The page can stop and step the clock and change its speed.
 class VirtualPage {
  public:
   /// @param ended  called when the run's duration is over

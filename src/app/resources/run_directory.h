@@ -27,5 +27,7 @@ class RunDirectory {
 
 /// The file in the folder that records the running processes.
 inline constexpr const char* children_file_name = "children.json";
+/// The file in the folder that records the state of each part, for the page.
+inline constexpr const char* parts_file_name = "parts.json";
 
 }  // namespace cosiva::app

@@ -21,7 +21,7 @@ double LoadProfile::mean_mps() const { return mean_of(moved_m) / load_step_s; }
 Result<std::vector<LoadProfile>> measure_loads(WorldOptions options, SimDuration warm_up, SimDuration length) {
   const std::uint32_t aivs = options.aivs;
   // The traces are not read.
-  options.as_values = true;
+  options.as_values = passes_values(options.seed);
   options.ground_truth = false;
   auto world = World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());

@@ -49,14 +49,20 @@ struct PlatformRig::Impl {
         slots(options.procedure.vehicles),
         cycles(options.procedure.vehicles, 0.0) {}
 
+  /// Passed on as values or, with one seed in ten, as text.
+  [[nodiscard]] static Result<wire::BoardsReport> report_of(const wire::Publish& message) {
+    if (const auto* values = wire::value_as<wire::BoardsReport>(message.typed)) return *values;
+    return wire::boards_report_from_json(message.payload);
+  }
+
   void listen() {
     world->tap([this](SimTime at, const std::string& /*from*/, const wire::Publish& message) {
       const auto vehicle = wire::parse_own_topic(wire::boards_topic_prefix, message.topic);
       if (!vehicle) return;
       for (std::size_t v = 0; v < slots.size(); ++v) {
         if (vehicle->serial_number != name_of(v)) continue;
-        const auto* report = wire::value_as<wire::BoardsReport>(message.typed);
-        if (report == nullptr || !report->power) return;
+        const auto report = report_of(message);
+        if (!report || !report->power) return;
         slots[v].report = *report;
         slots[v].received = at;
         slots[v].fresh = true;
@@ -177,7 +183,7 @@ Result<PlatformRig> PlatformRig::make(WorldOptions world_options, VirtualRigOpti
   const std::uint32_t aivs = world_options.aivs;
   // No page reads the traces of a test: a single slot, overwritten each time, stays in the cache.
   world_options.server.traces_max = 1;
-  world_options.as_values = true;
+  world_options.as_values = passes_values(world_options.seed);
   world_options.ground_truth = false;
   auto world = World::make(std::move(world_options));
   if (!world) return tl::unexpected(world.error());

@@ -131,5 +131,20 @@ TEST(PlatformRig, swaps_batteries_between_runs) {
   EXPECT_GT(rig.procedure().records().back().tag.cycles, 0.1);
 }
 
+TEST(PlatformRig, with_a_seed_that_passes_texts_receives_the_batteries_reports_as_well) {
+  WorldOptions world = lacet4(2);
+  world.seed = 10;
+  ASSERT_FALSE(passes_values(world.seed));
+  VirtualRigOptions options = small(2);
+  options.battery.design = {2, 1, 0.15};
+  PlatformRig rig = started(world, options);
+  run_to_the_end(rig);
+  ASSERT_EQ(rig.procedure().records().size(), 2U);
+  for (const BatteryRun& run : rig.procedure().records()) {
+    EXPECT_EQ(run.stop, StopCause::floor);
+    EXPECT_NEAR(run.charge_end, 0.5, 2e-3);
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::experiments

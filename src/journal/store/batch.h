@@ -15,6 +15,11 @@ class Batch {
   void add(const wire::Input& input);
   /// Adds the records of another batch behind these.
   void add(const Batch& other);
+  /// Keeps the memory.
+  void clear() {
+    records_.clear();
+    count_ = 0;
+  }
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] std::uint32_t count() const { return count_; }
   [[nodiscard]] const std::string& records() const { return records_; }

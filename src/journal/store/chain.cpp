@@ -1,7 +1,5 @@
 #include "cosiva/journal/store/chain.h"
 
-#include <sodium/crypto_generichash.h>
-
 #include <algorithm>
 
 #include "cosiva/base/expect.h"
@@ -20,14 +18,24 @@ Chain Chain::from(std::string_view bytes) {
   return chain;
 }
 
-Chain Chain::after(std::initializer_list<std::string_view> parts) const {
-  crypto_generichash_state state;
-  crypto_generichash_init(&state, nullptr, 0, bytes_count);
-  crypto_generichash_update(&state, octets(bytes()), bytes_count);
-  for (const std::string_view part : parts) crypto_generichash_update(&state, octets(part), part.size());
-  Chain next;
-  crypto_generichash_final(&state, reinterpret_cast<unsigned char*>(next.hash_.data()), bytes_count);
-  return next;
+Chain Chain::after(std::string_view batch) const {
+  ChainHash hash{*this};
+  hash.add(batch);
+  return hash.end();
+}
+
+ChainHash::ChainHash(const Chain& before) {
+  const int begun = crypto_generichash_init(&state_, nullptr, 0, Chain::bytes_count);
+  COSIVA_EXPECT(begun == 0);
+  add(before.bytes());
+}
+
+void ChainHash::add(std::string_view part) { crypto_generichash_update(&state_, octets(part), part.size()); }
+
+Chain ChainHash::end() {
+  std::array<char, Chain::bytes_count> hash{};
+  crypto_generichash_final(&state_, reinterpret_cast<unsigned char*>(hash.data()), hash.size());
+  return Chain::from({hash.data(), hash.size()});
 }
 
 std::string_view Chain::bytes() const { return {hash_.data(), hash_.size()}; }

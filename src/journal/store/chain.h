@@ -1,7 +1,8 @@
 #pragma once
 
+#include <sodium/crypto_generichash.h>
+
 #include <array>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -17,8 +18,8 @@ class Chain {
   Chain() = default;
   /// From its bytes, of which there are bytes_count.
   [[nodiscard]] static Chain from(std::string_view bytes);
-  /// The hash after a batch that consists of these parts, one after the other.
-  [[nodiscard]] Chain after(std::initializer_list<std::string_view> parts) const;
+  /// The hash after a batch of these bytes.
+  [[nodiscard]] Chain after(std::string_view batch) const;
 
   [[nodiscard]] std::string_view bytes() const;
   /// 64 hexadecimal digits.
@@ -27,6 +28,20 @@ class Chain {
 
  private:
   std::array<char, bytes_count> hash_{};
+};
+
+/// The hash after a batch that is given part by part.
+///
+/// Invariant: the state has taken the hash before, and all parts in their order.
+class ChainHash {
+ public:
+  explicit ChainHash(const Chain& before);
+  void add(std::string_view part);
+  /// Of all parts. Ends this hash.
+  [[nodiscard]] Chain end();
+
+ private:
+  crypto_generichash_state state_;
 };
 
 }  // namespace cosiva::journal

@@ -18,7 +18,8 @@ inline constexpr std::size_t sector_bytes = 512;
 class DiskFile {
  public:
   virtual ~DiskFile() = default;
-  /// Fails ("disk.full", "disk.read_only", "disk.io"); then any part of the bytes may be in the file.
+  /// The disk may begin to write the bytes. Fails ("disk.full", "disk.read_only", "disk.io"); then any part of the
+  /// bytes may be in the file.
   [[nodiscard]] virtual Result<void> append(std::string_view bytes) = 0;
   /// Makes all bytes durable. Fails ("disk.io" and as append() does); then none of the bytes since the last sync() can
   /// be relied upon, even if a later sync() succeeds.

@@ -13,18 +13,31 @@ void Restart::take(RecordNumber number, const RecordView& record) {
   if (record.kind == format::end_kind) return;
   switch (static_cast<wire::InputKind>(record.kind)) {
     case wire::InputKind::proposal: accepted_.push_back(record.input()); break;
+    case wire::InputKind::snapshot:
+      inputs_.clear();
+      state_.reset();
+      if (auto state = core_state(record)) state_ = std::move(*state);
+      complete_ = state_.has_value();
+      break;
     case wire::InputKind::persisted:
       persisted_.reset();
       if (!record.payload.empty()) persisted_ = std::string(record.payload);
       if (is_checkpoint(record)) checkpoint_ = number;
       break;
-    case wire::InputKind::command:
-      if (!record.flag || accepted_.empty()) break;
-      accepted_.pop_front();
-      break;
-    default: break;
+    default: take_input(record);
   }
   COSIVA_EXPECT(!checkpoint_ || *checkpoint_ <= number);
+}
+
+void Restart::take_input(const RecordView& record) {
+  const auto kind = static_cast<wire::InputKind>(record.kind);
+  if (kind == wire::InputKind::command && record.flag && !accepted_.empty()) accepted_.pop_front();
+  if (kind == wire::InputKind::configure) {  // a new core, which has taken nothing of the one before
+    state_.reset();
+    inputs_.clear();
+    complete_ = true;
+  }
+  if (complete_) inputs_.push_back(record.input());
 }
 
 }  // namespace cosiva::journal

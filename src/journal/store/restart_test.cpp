@@ -51,6 +51,33 @@ TEST(Restart, from_a_checkpoint_on_ignores_commands_that_were_accepted_before_it
               testing::ElementsAre("a"));
 }
 
+wire::Input tick(int second) { return {SimTime{std::chrono::seconds{second}}, InputKind::tick, {}, {}, false}; }
+wire::Input configure() { return {{}, InputKind::configure, "server", "{}", false}; }
+
+TEST(Restart, gives_all_inputs_of_a_core_from_its_beginning_on) {
+  const Restart restart = restart_from({configure(), tick(1), persisted("s"), proposal("a"), given("a")});
+  EXPECT_EQ(restart.state(), std::nullopt);
+  EXPECT_THAT(restart.inputs(), testing::ElementsAre(configure(), tick(1), given("a")));
+}
+
+TEST(Restart, gives_the_last_snapshot_and_the_inputs_after_it) {
+  const CoreState state{"bytes", 5, {"#"}};
+  const Restart restart = restart_from(
+      {configure(), tick(1), to_input({"old", 4, {}}, {}), tick(2), to_input(state, {}), checkpoint("s"), tick(3)});
+  EXPECT_EQ(restart.state(), state);
+  EXPECT_THAT(restart.inputs(), testing::ElementsAre(tick(3)));
+}
+
+TEST(Restart, forgets_the_state_of_a_core_that_another_one_has_not_continued) {
+  const Restart restart = restart_from({to_input({"old", 4, {}}, {}), tick(1), configure(), tick(2)});
+  EXPECT_EQ(restart.state(), std::nullopt);
+  EXPECT_THAT(restart.inputs(), testing::ElementsAre(configure(), tick(2)));
+}
+
+TEST(Restart, gives_no_inputs_where_the_first_ones_are_missing) {
+  EXPECT_THAT(restart_from({checkpoint("s"), tick(1)}).inputs(), testing::IsEmpty());
+}
+
 TEST(Restart, names_the_last_checkpoint) {
   EXPECT_EQ(restart_from({persisted("s")}).checkpoint(), std::nullopt);
   EXPECT_EQ(restart_from({checkpoint("s"), persisted("t"), checkpoint("t"), given("a")}).checkpoint(), 3U);

@@ -119,7 +119,7 @@ class SegmentScan {
       offset += (*record)->bytes;
       views_.push_back(**record);
     }
-    const Chain next = content_.chain.after({batch.substr(0, batch.size() - Chain::bytes_count)});
+    const Chain next = content_.chain.after(batch.substr(0, batch.size() - Chain::bytes_count));
     if (offset != records.size() || batch.substr(batch.size() - Chain::bytes_count) != next.bytes()) {
       return damaged_or_torn(
           at + batch.size() - Chain::bytes_count, at + batch.size(), header.first,
@@ -187,20 +187,15 @@ std::string segment_header(const SegmentStart& start) {
   return header;
 }
 
-std::string sealed(const Batch& batch, SegmentStart& next) {
+std::string batch_header(const Batch& batch, const SegmentStart& start) {
   COSIVA_EXPECT(!batch.empty());
-  std::string bytes;
-  bytes.reserve(batch_header_bytes + batch.records().size() + Chain::bytes_count);
-  bytes += batch_magic;
+  std::string bytes{batch_magic};
   append_integer(bytes, static_cast<std::uint32_t>(batch.records().size()));
-  append_integer(bytes, next.store);
-  append_integer(bytes, next.first);
+  append_integer(bytes, start.store);
+  append_integer(bytes, start.first);
   append_integer(bytes, batch.count());
   append_integer(bytes, crc32c(bytes));
-  bytes += batch.records();
-  next.chain = next.chain.after({bytes});
-  next.first += batch.count();
-  bytes += next.chain.bytes();
+  COSIVA_EXPECT(bytes.size() == batch_header_bytes);
   return bytes;
 }
 

@@ -40,8 +40,9 @@ struct SegmentStart {
 [[nodiscard]] std::optional<RecordNumber> segment_number(std::string_view name);
 
 [[nodiscard]] std::string segment_header(const SegmentStart& start);
-/// A batch as in the file. `next` is where the batch begins, and afterwards where the one after it does.
-[[nodiscard]] std::string sealed(const Batch& batch, SegmentStart& next);
+/// What precedes the records of a batch in the file. `start` is where the batch begins. The hash over this header and
+/// the records follows them.
+[[nodiscard]] std::string batch_header(const Batch& batch, const SegmentStart& start);
 
 /// What a segment's bytes hold.
 struct SegmentContent {

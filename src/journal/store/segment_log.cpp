@@ -2,34 +2,54 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "cosiva/base/expect.h"
 
 namespace cosiva::journal {
+namespace {
+
+constexpr std::size_t portion_bytes = std::size_t{512} << 10U;
+
+}  // namespace
 
 Result<void> SegmentLog::write(const Batch& batch) {
   COSIVA_EXPECT(!batch.empty());
-  std::string bytes;
   if (!file_ || file_bytes_ >= segment_bytes_) {
     if (auto begun = begin_segment(); !begun) return begun;
-    bytes = segment_header(next_);
   }
-  SegmentStart next = next_;
-  bytes += sealed(batch, next);
-  if (auto written = write(bytes); !written) {
+  const auto appended = append(batch);
+  if (auto durable = appended ? file_->sync() : tl::unexpected<Error>(appended.error()); !durable) {
     file_.reset();
     // The next attempt may need the space of what does not count. Where this fails, too, readers skip those bytes.
     if (file_bytes_ > 0) static_cast<void>(disk_.cut(name_, file_bytes_));
-    return written;
+    return durable;
   }
-  file_bytes_ += bytes.size();
-  next_ = next;
+  file_bytes_ += appended->bytes;
+  next_ = appended->next;
   return {};
 }
 
-Result<void> SegmentLog::write(const std::string& bytes) {
-  if (auto appended = file_->append(bytes); !appended) return appended;
-  return file_->sync();
+Result<SegmentLog::Appended> SegmentLog::append(const Batch& batch) {
+  const std::string header = batch_header(batch, next_);
+  ChainHash hash{next_.chain};
+  hash.add(header);
+  std::string portion = (file_bytes_ == 0 ? segment_header(next_) : "") + header;
+  std::size_t bytes = 0;
+  std::string_view records = batch.records();
+  for (; records.size() > portion_bytes; records.remove_prefix(portion_bytes)) {
+    portion += records.substr(0, portion_bytes);
+    if (auto appended = file_->append(portion); !appended) return tl::unexpected<Error>(appended.error());
+    hash.add(records.substr(0, portion_bytes));
+    bytes += portion.size();
+    portion.clear();
+  }
+  portion += records;
+  hash.add(records);
+  const Chain chain = hash.end();
+  portion += chain.bytes();
+  if (auto appended = file_->append(portion); !appended) return tl::unexpected<Error>(appended.error());
+  return Appended{{next_.store, next_.first + batch.count(), chain}, bytes + portion.size()};
 }
 
 Result<void> SegmentLog::begin_segment() {

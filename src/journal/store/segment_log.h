@@ -32,7 +32,12 @@ class SegmentLog {
   [[nodiscard]] const SegmentStart& next() const { return next_; }
 
  private:
-  [[nodiscard]] Result<void> write(const std::string& bytes);
+  struct Appended {
+    SegmentStart next;
+    std::size_t bytes;
+  };
+  /// Large batches in portions: the hash of one is computed while the disk writes it.
+  [[nodiscard]] Result<Appended> append(const Batch& batch);
   [[nodiscard]] Result<void> begin_segment();
 
   Disk& disk_;

@@ -78,11 +78,16 @@ TEST(SegmentName, is_none_for_other_files) {
 
 TEST(Chain, begins_with_zeros_and_depends_on_every_part) {
   EXPECT_EQ(Chain{}.hex(), std::string(64, '0'));
-  const Chain next = Chain{}.after({"ab", "c"});
-  EXPECT_EQ(next, Chain{}.after({"a", "bc"}));
-  EXPECT_NE(next, Chain{}.after({"ab", "d"}));
-  EXPECT_NE(next.after({"abc"}), next);
+  const Chain next = Chain{}.after("abc");
+  EXPECT_NE(next, Chain{}.after("abd"));
+  EXPECT_NE(next.after("abc"), next);
   EXPECT_EQ(Chain::from(next.bytes()), next);
+}
+
+TEST(Chain, of_parts_is_that_of_the_whole) {
+  ChainHash hash{Chain{}.after("before")};
+  for (const char* part : {"a", "", "bc"}) hash.add(part);
+  EXPECT_EQ(hash.end(), Chain{}.after("before").after("abc"));
 }
 
 /// A segment that another program has written after docs/protocols/store.md, with another library's BLAKE2b.
@@ -317,6 +322,26 @@ TEST(SegmentLog, cuts_off_what_a_failed_write_left_so_that_other_batches_have_th
     EXPECT_TRUE(log.write(batch_of(3, 1)));
     EXPECT_EQ(recover(disk).inputs.size(), 3U);
   }
+}
+
+TEST(SegmentLog, writes_a_large_batch_in_portions_of_which_none_counts_without_the_others) {
+  SimulatedDisk disk{1};
+  SegmentLog log{disk, beginning, std::size_t{64} << 20U};
+  EXPECT_TRUE(log.write(batch_of(1, 1)));
+  int portions = 0;
+  disk.set_faults([&](Call call, const std::string&) {
+    if (call == Call::append) ++portions;
+    return std::string{portions == 3 ? "disk.io" : ""};
+  });
+  const Batch large = batch_of(2, 30, 60'000);
+  EXPECT_EQ(log.write(large).error().code, "disk.io");
+  disk.set_faults({});
+  EXPECT_EQ(recover(disk).inputs.size(), 1U);
+  EXPECT_TRUE(log.write(large));
+  EXPECT_TRUE(log.write(batch_of(32, 1)));
+  const Recovered back = recover(disk);
+  ASSERT_TRUE(back.content) << to_string(back.content.error());
+  EXPECT_EQ(back.inputs.size(), 32U);
 }
 
 TEST(SegmentLog, replaces_a_segment_whose_first_write_failed) {

@@ -40,6 +40,16 @@ void BoardLink::connect(bool up) {
   decoder_.restart();
 }
 
+void BoardOutput::put_delimiter() const {
+  if (bytes_ != nullptr) bytes_->push_back('\0');
+}
+
+void BoardOutput::put(wire::Board board, wire::module_link::Encoder& encoder, const wire::BoardMessage& message) const {
+  COSIVA_EXPECT((bytes_ == nullptr) != (values_ == nullptr));
+  if (bytes_ != nullptr) return encoder.append(*bytes_, message);
+  values_->add(board, encoder.next_sequence(), message);
+}
+
 const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes) {
   received_.clear();
   decoder_.feed(bytes, received_);
@@ -47,12 +57,18 @@ const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes
   return received_;
 }
 
-void BoardLink::tick(SimTime now, std::string& out) {
+void BoardLink::receive(const wire::BoardFrames::Frame& frame) {
+  COSIVA_EXPECT(frame.board == board_);
+  decoder_.count(frame.sequence, frame.message);
+  hello_due_ = hello_due_ || std::holds_alternative<wire::Hello>(frame.message);
+}
+
+void BoardLink::tick(SimTime now, BoardOutput out) {
   const bool heartbeat = heartbeat_.take(now);
   COSIVA_EXPECT(connected_ || !fresh_);
   if (!connected_) return;
   // The line's content from before the connection must not run into the first frame.
-  if (fresh_) out.push_back('\0');
+  if (fresh_) out.put_delimiter();
   fresh_ = false;
   if (hello_due_) send(wire::Hello{board_, wire::module_link::version, firmware_hash(board_), session_}, out);
   hello_due_ = false;
@@ -62,8 +78,8 @@ void BoardLink::tick(SimTime now, std::string& out) {
   }
 }
 
-void BoardLink::send(const wire::BoardMessage& message, std::string& out) {
-  if (connected_) encoder_.append(out, message);
+void BoardLink::send(const wire::BoardMessage& message, BoardOutput out) {
+  if (connected_) out.put(board_, encoder_, message);
 }
 
 std::uint32_t BoardLink::board_ms(SimTime now) const {

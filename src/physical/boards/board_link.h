@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "cosiva/base/time.h"
+#include "cosiva/wire/in_process/board_frames.h"
+#include "cosiva/wire/in_process/frame_batch.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/module_link/module_link.h"
 
@@ -17,6 +19,7 @@ class Every {
   explicit Every(SimDuration period) : period_{period} {}
   void start(SimTime first) { next_ = first; }
   [[nodiscard]] bool due(SimTime now) const { return now >= next_; }
+  [[nodiscard]] SimTime next() const { return next_; }
   /// True once per period.
   [[nodiscard]] bool take(SimTime now);
 
@@ -25,8 +28,24 @@ class Every {
   SimTime next_{};
 };
 
+/// Where a board's frames go: to the bytes of a stream, or as values to the vehicle's next batch. Invariant: exactly
+/// one of the two.
+class BoardOutput {
+ public:
+  // Implicit: a board is given one or the other.
+  BoardOutput(std::string& bytes) : bytes_{&bytes} {}          // NOLINT(google-explicit-constructor)
+  BoardOutput(wire::FrameBatch& values) : values_{&values} {}  // NOLINT(google-explicit-constructor)
+  /// Ends what was on the line before the first frame; values have no such remains.
+  void put_delimiter() const;
+  void put(wire::Board board, wire::module_link::Encoder& encoder, const wire::BoardMessage& message) const;
+
+ private:
+  std::string* bytes_{nullptr};
+  wire::FrameBatch* values_{nullptr};
+};
+
 /// The behaviour that all boards have in common (A18): identification at power-up and on a new connection, a heartbeat
-/// 10 times a second, frame numbering, and a count of damaged frames received. Sans-IO: bytes in, bytes appended to
+/// 10 times a second, frame numbering, and a count of damaged frames received. Sans-IO: frames in, frames appended to
 /// `out`. Invariant: only a connected board has a fresh connection.
 class BoardLink {
  public:
@@ -41,8 +60,12 @@ class BoardLink {
   /// The messages in these bytes, valid until the next call. A Hello from the other side is a request: the board sends
   /// its own Hello at the next tick.
   [[nodiscard]] const std::vector<wire::BoardMessage>& receive(std::string_view bytes);
-  void tick(SimTime now, std::string& out);
-  void send(const wire::BoardMessage& message, std::string& out);
+  /// Likewise, of a frame that is passed on as values.
+  void receive(const wire::BoardFrames::Frame& frame);
+  void tick(SimTime now, BoardOutput out);
+  /// A tick before this time changes nothing, unless the connection changes or frames arrive first.
+  [[nodiscard]] SimTime next_due() const { return connected_ && hello_due_ ? SimTime::min() : heartbeat_.next(); }
+  void send(const wire::BoardMessage& message, BoardOutput out);
 
   /// Milliseconds since power-up; wraps after 49 days, as on a board.
   [[nodiscard]] std::uint32_t board_ms(SimTime now) const;

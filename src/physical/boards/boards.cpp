@@ -27,15 +27,22 @@ void PilsBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) 
 }
 
 void PilsBoard::on_bytes(SimTime now, std::string_view bytes) {
-  for (const auto& message : link_.receive(bytes)) {
-    if (const auto* drive = std::get_if<wire::Drive>(&message)) {
-      drive_ = *drive;
-      driven_at_ = now;
-    }
-  }
+  for (const auto& message : link_.receive(bytes)) on_message(now, message);
 }
 
-void PilsBoard::tick(SimTime now, const WheelReadings& readings, std::string& out) {
+void PilsBoard::on_frame(SimTime now, const wire::BoardFrames::Frame& frame) {
+  link_.receive(frame);
+  on_message(now, frame.message);
+}
+
+void PilsBoard::on_message(SimTime now, const wire::BoardMessage& message) {
+  const auto* drive = std::get_if<wire::Drive>(&message);
+  if (drive == nullptr) return;
+  drive_ = *drive;
+  driven_at_ = now;
+}
+
+void PilsBoard::tick(SimTime now, const WheelReadings& readings, BoardOutput out) {
   link_.tick(now, out);
   if (!odometry_.take(now)) return;
   wire::Odometry odometry;
@@ -62,14 +69,27 @@ void PravBoard::power_up(SimTime now, std::uint32_t session) {
 }
 
 void PravBoard::on_bytes(SimTime /*now*/, std::string_view bytes) {
-  for (const auto& message : link_.receive(bytes)) {
-    if (const auto* display = std::get_if<wire::Display>(&message)) display_ = display->text;
-  }
+  for (const auto& message : link_.receive(bytes)) on_message(message);
+}
+
+void PravBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame) {
+  link_.receive(frame);
+  on_message(frame.message);
+}
+
+void PravBoard::on_message(const wire::BoardMessage& message) {
+  if (const auto* display = std::get_if<wire::Display>(&message)) display_ = display->text;
 }
 
 void PravBoard::on_tag(SimTime read_at, std::uint32_t number) { readings_.push_back({read_at, number}); }
 
-void PravBoard::tick(SimTime now, std::string& out) {
+SimTime PravBoard::next_due() const {
+  SimTime next = link_.next_due();
+  for (const Reading& reading : readings_) next = std::min(next, reading.read_at);
+  return next;
+}
+
+void PravBoard::tick(SimTime now, BoardOutput out) {
   link_.tick(now, out);
   std::erase_if(readings_, [&](const Reading& reading) {
     if (reading.read_at > now) return false;
@@ -89,8 +109,9 @@ void DobsBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) 
 }
 
 void DobsBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<void>(link_.receive(bytes)); }
+void DobsBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame) { link_.receive(frame); }
 
-void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, std::string& out) {
+void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, BoardOutput out) {
   link_.tick(now, out);
   if (!scan_.take(now)) return;
   auto& ranges = std::get<wire::Ranges>(ranges_);
@@ -107,8 +128,9 @@ void RaliBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) 
 }
 
 void RaliBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<void>(link_.receive(bytes)); }
+void RaliBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame) { link_.receive(frame); }
 
-void RaliBoard::tick(SimTime now, const PowerReadings& readings, std::string& out) {
+void RaliBoard::tick(SimTime now, const PowerReadings& readings, BoardOutput out) {
   link_.tick(now, out);
   if (!report_.take(now)) return;
   const double charge = std::clamp(readings.charge, 0.0, 1.0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -13,7 +14,7 @@
 #include "cosiva/wire/messages/board.h"
 
 /// The four boards of one vehicle (A14 to A17), between the plant's values and the module link's frames. Each board is
-/// given bytes and the time, and appends bytes to `out`; measured values are passed in as plain SI values.
+/// given frames and the time, and appends frames to `out`; measured values are passed in as plain SI values.
 namespace cosiva::physical {
 
 /// The inputs of PILS from its line sensors and wheel encoders.
@@ -35,11 +36,17 @@ class PilsBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
-  void tick(SimTime now, const WheelReadings& readings, std::string& out);
+  void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
+  void tick(SimTime now, const WheelReadings& readings, BoardOutput out);
   /// What the motors have to do; nothing: stop.
   [[nodiscard]] const wire::Drive* drive(SimTime now) const;
 
+  /// As BoardLink::next_due.
+  [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), odometry_.next()); }
+
  private:
+  void on_message(SimTime now, const wire::BoardMessage& message);
+
   BoardLink link_{wire::Board::PILS};
   Every odometry_{std::chrono::milliseconds{20}};
   std::optional<wire::Drive> drive_;
@@ -53,13 +60,19 @@ class PravBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session);
   void on_bytes(SimTime now, std::string_view bytes);
+  void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
   /// The reader has a tag's number from `read_at` on, which may be in the future: the board sends the number at the
   /// first tick from then on.
   void on_tag(SimTime read_at, std::uint32_t number);
-  void tick(SimTime now, std::string& out);
+  void tick(SimTime now, BoardOutput out);
   [[nodiscard]] const std::string& display() const { return display_; }
 
+  /// As BoardLink::next_due; a new reading comes before it, too.
+  [[nodiscard]] SimTime next_due() const;
+
  private:
+  void on_message(const wire::BoardMessage& message);
+
   struct Reading {
     SimTime read_at;
     std::uint32_t number;
@@ -81,10 +94,14 @@ class DobsBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
+  void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
   /// True when the next tick sends ranges and therefore needs them.
   [[nodiscard]] bool wants_scan(SimTime now) const { return scan_.due(now); }
   /// @param range_m  one per beam [m], negative: no echo; used only when wants_scan(now)
-  void tick(SimTime now, std::span<const double, beams> range_m, std::string& out);
+  void tick(SimTime now, std::span<const double, beams> range_m, BoardOutput out);
+
+  /// As BoardLink::next_due.
+  [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), scan_.next()); }
 
  private:
   BoardLink link_{wire::Board::DOBS};
@@ -108,8 +125,12 @@ class RaliBoard {
   [[nodiscard]] const BoardLink& link() const { return link_; }
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
+  void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
   /// @param readings  used only when a report is due
-  void tick(SimTime now, const PowerReadings& readings, std::string& out);
+  void tick(SimTime now, const PowerReadings& readings, BoardOutput out);
+
+  /// As BoardLink::next_due.
+  [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), report_.next()); }
 
  private:
   BoardLink link_{wire::Board::RALI};

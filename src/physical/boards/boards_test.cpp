@@ -258,5 +258,82 @@ TEST(Rali, reports_finer_charge_from_a_gauge_that_states_its_uncertainty) {
   EXPECT_EQ(listener.all<wire::Power>()[0], (wire::Power{7400, 400, 225, 871, wire::Power::Gauge{871'234, 135}}));
 }
 
+/// Ticks a board that passes bytes and one that passes values, both connected and commanded alike, and expects the
+/// same messages of both.
+template <typename Board>
+void expect_same_as_values(wire::Board which, const std::vector<wire::BoardMessage>& commands, auto tick) {
+  Board with_bytes;
+  Board with_values;
+  for (Board* board : {&with_bytes, &with_values}) {
+    board->power_up(start, 77);
+    board->link().connect(true);
+  }
+  Listener of_bytes;
+  std::vector<wire::BoardMessage> of_values;
+  wire::FrameBatch batch{1};
+  wire::BoardFrames sent{1};
+  for (int n = 0; n < 100; ++n) {
+    const SimTime now = start + n * 10ms;
+    std::string out;
+    wire::Effects effects;
+    tick(with_bytes, now, BoardOutput{out});
+    tick(with_values, now, BoardOutput{batch});
+    batch.flush("1/PILS", effects);
+    of_bytes.receive(out);
+    for (const wire::Effect& effect : effects) {
+      for (const auto& frame :
+           dynamic_cast<const wire::BoardFrames&>(*std::get<wire::SendBytes>(effect).typed).frames())
+        of_values.push_back(frame.message);
+    }
+    const wire::BoardMessage& command = commands[static_cast<std::size_t>(n) % commands.size()];
+    const auto sequence = static_cast<std::uint8_t>(n + n / 30);  // some frames are missing
+    with_bytes.on_bytes(now, encode(command, sequence));
+    sent.clear();
+    sent.add(which, sequence, command);
+    with_values.on_frame(now, sent.frames().front());
+  }
+  EXPECT_THAT(of_values, ::testing::ElementsAreArray(of_bytes.received));
+  EXPECT_GT(of_values.size(), 10U);
+}
+
+struct PilsInPhase : PilsBoard {
+  void power_up(SimTime now, std::uint32_t session) { PilsBoard::power_up(now, session, 0ms); }
+};
+
+TEST(Board, sends_and_counts_the_same_whether_frames_pass_as_bytes_or_as_values) {
+  const std::vector<wire::BoardMessage> commands{wire::Heartbeat{}, wire::Drive{300, 500, 800, 0},
+                                                 wire::Hello{wire::Board::PILS, 1, 0, 0}};
+  expect_same_as_values<PilsInPhase>(wire::Board::PILS, commands, [](PilsBoard& board, SimTime now, BoardOutput out) {
+    const wire::Drive* drive = board.drive(now);  // shows in what the board reports
+    board.tick(now, {1.0, drive == nullptr ? 0.0 : drive->speed_mmps * 1e-3, 0.0, false}, out);
+  });
+  expect_same_as_values<PravBoard>(wire::Board::PRAV, {wire::Display{"AIV1"}, wire::Heartbeat{}},
+                                   [](PravBoard& board, SimTime now, BoardOutput out) {
+                                     if (!board.display().empty()) board.on_tag(now + 13ms, 5);
+                                     board.tick(now, out);
+                                   });
+}
+
+TEST(Board, has_nothing_to_do_before_the_time_that_it_states) {
+  PravBoard board;
+  board.power_up(start, 77);
+  board.link().connect(true);
+  board.on_tag(start + 37ms, 9);
+  EXPECT_LE(board.next_due(), start) << "its Hello";
+  std::size_t spoken = 0;
+  for (SimTime now = start; now < start + 1s; now += 1ms) {
+    const bool due = board.next_due() <= now;
+    std::string out;
+    board.tick(now, out);
+    EXPECT_EQ(out.empty(), !due) << to_seconds(now - start);
+    if (!out.empty()) ++spoken;
+  }
+  EXPECT_EQ(spoken, 11U) << "ten heartbeats, the first with the Hello, and a tag";
+  board.on_bytes(start + 1s, encode(wire::Hello{wire::Board::PRAV, 1, 0, 0}, 0));
+  EXPECT_LE(board.next_due(), start) << "requested";
+  board.link().connect(false);
+  EXPECT_EQ(board.next_due(), start + 1s) << "unplugged: only the heartbeats' timer goes on";
+}
+
 }  // namespace
 }  // namespace cosiva::physical

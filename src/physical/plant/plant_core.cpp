@@ -14,6 +14,7 @@
 #include "cosiva/physical/plant/obstacles.h"
 #include "cosiva/physical/plant/vehicle.h"
 #include "cosiva/physical/plant/zone_exchange.h"
+#include "cosiva/wire/in_process/board_frames.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/zone/rtm/rtm_builder.h"
@@ -72,6 +73,8 @@ struct PlantCore::Impl {
     const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < positions.size(); ++i)
       vehicles.emplace_back(i + 1, floor, positions[i], options.noise, options.seed, cells, step_max(options));
+    if (options.as_values)
+      for (Vehicle& vehicle : vehicles) vehicle.boards().pass_values();
     bodies.resize(vehicles.size());
     record_bodies();
   }
@@ -143,7 +146,8 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::configure:  // its options came through make()
     case wire::InputKind::restore:
     case wire::InputKind::proposal:
-    case wire::InputKind::persisted: return;
+    case wire::InputKind::persisted:
+    case wire::InputKind::snapshot: return;
   }
 }
 
@@ -340,16 +344,19 @@ void PlantCore::Impl::on_port(const wire::Input& input, wire::Effects& effects) 
     effects.emplace_back(wire::Log{'w', "no vehicle has a port '" + input.source + "'"});
     return;
   }
-  vehicles[address->vehicle - 1].connect(address->board, input.payload == "up");
+  vehicles[address->vehicle - 1].boards().connect(address->board, input.payload == "up");
 }
 
 void PlantCore::Impl::on_bytes(const wire::Input& input, wire::Effects& effects) {
+  const auto* frames = wire::frames_of(input.typed.get());
+  if (frames != nullptr && frames->vehicle() >= 1 && frames->vehicle() <= vehicles.size())
+    return vehicles[frames->vehicle() - 1].boards().on_frames(input.at, *frames);
   const auto address = parse_port(input.source);
   if (!address || address->vehicle < 1 || address->vehicle > vehicles.size()) {
     effects.emplace_back(wire::Log{'w', "bytes for '" + input.source + "', which no vehicle has"});
     return;
   }
-  vehicles[address->vehicle - 1].on_bytes(input.at, address->board, input.payload);
+  vehicles[address->vehicle - 1].boards().on_bytes(input.at, address->board, input.payload);
 }
 
 void PlantCore::Impl::on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects) {

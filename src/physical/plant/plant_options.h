@@ -34,6 +34,7 @@ struct PlantOptions {
   bool publish_zone{true};                           ///< hand the configuration to the server, retained
   bool publish_ground_truth{true};                   ///< for instruments, on ground_truth_topic
   SimDuration cycle{std::chrono::milliseconds{10}};  ///< bodies move in steps of at most 20 ms all the same
+  bool as_values{false};  ///< frames are passed on as values: all parties are in this process. Not in JSON
   /// Built from `zone` already, where it is known; null: the plant builds it. Not in JSON.
   std::shared_ptr<const zone::Rtm> rtm{};
 };

@@ -50,6 +50,9 @@ void RangeFan::see(const BodyPose& other) {
   if (centre.x_m < -half_diagonal_m_) return;
   const double far_m = DobsBoard::reach_m + half_diagonal_m_;
   if (dot(centre, centre) > far_m * far_m) return;
+  // Nor does a body that lies wholly to the right or to the left of the fan.
+  const double off_m = half_diagonal_m_ + rounding_m;
+  if (cross(border_.front(), centre) < -off_m || cross(border_.back(), centre) > off_m) return;
 
   const double l = half_length_m_;
   const double w = half_width_m_;

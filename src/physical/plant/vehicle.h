@@ -30,8 +30,7 @@ class Vehicle {
   /// Switches the boards on. Their session numbers come from the seed and the time, so that the same plant started
   /// later has others, as after a real power cut.
   void power_up(SimTime now, std::uint64_t seed);
-  void connect(wire::Board board, bool up) { boards_.connect(board, up); }
-  void on_bytes(SimTime now, wire::Board board, std::string_view bytes) { boards_.on_bytes(now, board, bytes); }
+  [[nodiscard]] VehicleBoards& boards() { return boards_; }
 
   /// Moves the body over `dt`, in steps of at most step_max.
   void move(SimTime now, SimDuration dt);

@@ -1,5 +1,6 @@
 #include "cosiva/physical/plant/vehicle_boards.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 
@@ -23,11 +24,22 @@ VehicleBoards::VehicleBoards(std::uint32_t number, const PlantNoise& noise, Rand
 }
 
 void VehicleBoards::power_up(SimTime now, Random sessions) {
+  next_event_ = SimTime::min();
   const auto session = [&] { return static_cast<std::uint32_t>(sessions.next() >> 32U); };
   pils_.power_up(now, session(), phase(number_, 2));
   prav_.power_up(now, session());
   dobs_.power_up(now, session(), phase(number_, 6));
   rali_.power_up(now, session(), phase(number_, 50));
+}
+
+void VehicleBoards::connect(wire::Board board, bool up) {
+  next_event_ = SimTime::min();
+  link(board).connect(up);
+}
+
+void VehicleBoards::on_tag(SimTime read_at, std::uint32_t number) {
+  next_event_ = std::min(next_event_, read_at);
+  prav_.on_tag(read_at, number);
 }
 
 BoardLink& VehicleBoards::link(wire::Board board) {
@@ -41,6 +53,7 @@ BoardLink& VehicleBoards::link(wire::Board board) {
 }
 
 void VehicleBoards::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
+  next_event_ = SimTime::min();  // a request may be among them
   switch (board) {
     case wire::Board::PILS: return pils_.on_bytes(now, bytes);
     case wire::Board::PRAV: return prav_.on_bytes(now, bytes);
@@ -49,20 +62,57 @@ void VehicleBoards::on_bytes(SimTime now, wire::Board board, std::string_view by
   }
 }
 
+void VehicleBoards::on_frames(SimTime now, const wire::BoardFrames& frames) {
+  COSIVA_EXPECT(frames.vehicle() == number_);
+  for (const wire::BoardFrames::Frame& frame : frames.frames()) {
+    if (std::holds_alternative<wire::Hello>(frame.message)) next_event_ = SimTime::min();
+    switch (frame.board) {
+      case wire::Board::PILS: pils_.on_frame(now, frame); break;
+      case wire::Board::PRAV: prav_.on_frame(now, frame); break;
+      case wire::Board::DOBS: dobs_.on_frame(now, frame); break;
+      case wire::Board::RALI: rali_.on_frame(now, frame); break;
+    }
+  }
+}
+
 void VehicleBoards::speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
                           wire::Effects& effects) {
+  // Each board would find that nothing is due: half of the time no board has anything to do.
+  if (now < next_event_) return;
+  if (batch_)
+    speak_values(now, wheels, scan, power, effects);
+  else
+    speak_bytes(now, wheels, scan, power, effects);
+  next_event_ = std::min({pils_.next_due(), prav_.next_due(), dobs_.next_due(), rali_.next_due()});
+  COSIVA_EXPECT(next_event_ > now && out_.empty());
+}
+
+void VehicleBoards::speak_bytes(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+                                wire::Effects& effects) {
   pils_.tick(now, wheels, out_);
   send(wire::Board::PILS, effects);
   prav_.tick(now, out_);
   send(wire::Board::PRAV, effects);
-  if (wants_scan(now))
-    dobs_.tick(now, RangeFan::measured(scan, range_sd_m_, range_dropout_, range_random_), out_);
-  else
-    dobs_.tick(now, scan, out_);
+  tick_dobs(now, scan, out_);
   send(wire::Board::DOBS, effects);
   rali_.tick(now, power, out_);
   send(wire::Board::RALI, effects);
-  COSIVA_EXPECT(out_.empty());
+}
+
+void VehicleBoards::speak_values(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+                                 wire::Effects& effects) {
+  pils_.tick(now, wheels, *batch_);
+  prav_.tick(now, *batch_);
+  tick_dobs(now, scan, *batch_);
+  rali_.tick(now, power, *batch_);
+  batch_->flush(port(wire::Board::PILS), effects);
+}
+
+void VehicleBoards::tick_dobs(SimTime now, const Scan& scan, BoardOutput out) {
+  if (wants_scan(now))
+    dobs_.tick(now, RangeFan::measured(scan, range_sd_m_, range_dropout_, range_random_), out);
+  else
+    dobs_.tick(now, scan, out);
 }
 
 void VehicleBoards::send(wire::Board board, wire::Effects& effects) {

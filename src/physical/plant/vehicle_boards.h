@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,29 +11,36 @@
 #include "cosiva/physical/boards/boards.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/ranging.h"
+#include "cosiva/wire/in_process/board_frames.h"
+#include "cosiva/wire/in_process/frame_batch.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::physical {
 
 /// The four boards of one emulated vehicle, the on-board program's only access to it.
-/// Invariant: between two calls no bytes wait to be sent.
+/// Invariant: between two calls no bytes wait to be sent, and no board has anything to do before the next event.
 class VehicleBoards {
  public:
   /// @param number  of the vehicle
   /// @param noise   of the ranges that DOBS measures
   VehicleBoards(std::uint32_t number, const PlantNoise& noise, Random range_random);
 
+  /// From now on the boards' frames are passed on as values, all boards' together, instead of bytes.
+  void pass_values() { batch_.emplace(number_); }
+
   /// @param sessions  gives the boards their session numbers
   void power_up(SimTime now, Random sessions);
-  void connect(wire::Board board, bool up) { link(board).connect(up); }
+  void connect(wire::Board board, bool up);
   void on_bytes(SimTime now, wire::Board board, std::string_view bytes);
-  void on_tag(SimTime read_at, std::uint32_t number) { prav_.on_tag(read_at, number); }
+  /// Frames passed on as values.
+  void on_frames(SimTime now, const wire::BoardFrames& frames);
+  void on_tag(SimTime read_at, std::uint32_t number);
 
   /// The command in force; null: the boards are off, or the watchdog has stopped the motors.
   [[nodiscard]] const wire::Drive* drive(SimTime now) const { return pils_.drive(now); }
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
-  /// Lets the boards send. @param scan exact ranges, used only when wants_scan(now)
+  /// Lets the boards send what is due, often nothing. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
              wire::Effects& effects);
 
@@ -41,6 +49,11 @@ class VehicleBoards {
 
  private:
   [[nodiscard]] BoardLink& link(wire::Board board);
+  void speak_bytes(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+                   wire::Effects& effects);
+  void speak_values(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
+                    wire::Effects& effects);
+  void tick_dobs(SimTime now, const Scan& scan, BoardOutput out);
   void send(wire::Board board, wire::Effects& effects);
 
   std::uint32_t number_;
@@ -53,6 +66,8 @@ class VehicleBoards {
   RaliBoard rali_;
   std::array<std::string, wire::all_boards.size()> ports_;
   std::string out_;
+  SimTime next_event_{SimTime::min()};     ///< the first of what the boards have to do
+  std::optional<wire::FrameBatch> batch_;  ///< where frames are passed on as values
 };
 
 }  // namespace cosiva::physical

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
@@ -127,5 +128,9 @@ void Augmented::fold(Digest& digest) const {
     }
   }
 }
+
+void Walk::archive(Archive& archive) { archive(path_, speed_mps_, repeat_, reached_m_, length_m_); }
+
+void Augmented::archive(Archive& archive) { archive(virtual_objects_, next_); }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -43,6 +44,7 @@ class Walk {
   [[nodiscard]] double speed_mps() const { return speed_mps_; }
   [[nodiscard]] Repeat repeat() const { return repeat_; }
   [[nodiscard]] bool walks() const { return speed_mps_ > 0.0 && length_m_ > 0.0; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<Point2> path_{Point2{}};
@@ -83,6 +85,7 @@ class Augmented {
   [[nodiscard]] const std::vector<VirtualObject>& virtual_objects() const { return virtual_objects_; }
   [[nodiscard]] bool empty() const { return virtual_objects_.empty(); }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<VirtualObject> virtual_objects_;

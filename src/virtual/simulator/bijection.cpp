@@ -1,7 +1,9 @@
 #include "cosiva/virtual/simulator/bijection.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -61,13 +63,28 @@ BijectionMonitor::BijectionMonitor(BijectionContract contract)
       event_recent_{contract.event_p99_ms, few_window},
       effect_recent_{contract.effect_p99_ms, few_window} {}
 
-BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id) {
+BijectionMonitor::Entity BijectionMonitor::entity(std::string_view id, std::optional<Entity> spare) {
+  COSIVA_EXPECT(!spare || (!pairs_[*spare].physical && !pairs_[*spare].image));
   const auto it = std::ranges::find(pairs_, id, &Pair::id);
-  if (it != pairs_.end()) return static_cast<Entity>(it - pairs_.begin());
-  pairs_.push_back({std::string(id), false, false, RecentP99{contract_.divergence_p99_m, divergence_window},
-                    RecentP99{contract_.age_p99_ms, age_window}, RecentP99{contract_.actual_p99_m, actual_window}, 0, 0,
-                    0});
+  if (!spare && it != pairs_.end()) return static_cast<Entity>(it - pairs_.begin());
+  if (spare) {
+    pairs_[*spare] = Pair::of(id, contract_);
+    return *spare;
+  }
+  pairs_.push_back(Pair::of(id, contract_));
   return pairs_.size() - 1;
+}
+
+BijectionMonitor::Pair BijectionMonitor::Pair::of(std::string_view id, const BijectionContract& contract) {
+  return {std::string(id),
+          false,
+          false,
+          RecentP99{contract.divergence_p99_m, divergence_window},
+          RecentP99{contract.age_p99_ms, age_window},
+          RecentP99{contract.actual_p99_m, actual_window},
+          0,
+          0,
+          0};
 }
 
 void BijectionMonitor::set_physical(Entity entity, bool present) { pairs_[entity].physical = present; }
@@ -240,6 +257,19 @@ void BijectionMonitor::fold(Digest& digest) const {
     digest.add(std::string_view{finding.id});
     digest.add(static_cast<std::uint64_t>(finding.kind));
   }
+}
+
+void BijectionMonitor::archive(Archive& archive) {
+  const std::size_t pairs = archive.count(pairs_.size());
+  if (archive.reads()) pairs_.clear();
+  for (std::size_t i = 0; i < pairs && !archive.failed(); ++i) {
+    if (archive.reads()) pairs_.push_back(Pair::of({}, contract_));
+    archive(pairs_[i]);
+  }
+  archive(divergence_m_, divergence_rad_, actual_m_, actual_rad_, age_ms_, late_ms_, findings_);
+  archive(commands_issued_, commands_accepted_, commands_materialised_, commands_failed_);
+  archive(command_latency_ms_, command_recent_, events_, event_latency_ms_, event_recent_, effects_ms_, effect_recent_);
+  archive(augmented_, elapsed_until_, watched_, matched_, held_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/time.h"
@@ -61,7 +62,9 @@ class BijectionMonitor {
   explicit BijectionMonitor(BijectionContract contract);
 
   /// One name on either side. The same name always gives the same entity.
-  Entity entity(std::string_view id);
+  /// @param spare  an entity whose name proved to be of no vehicle, and which gets this name; it is on neither side
+  ///               (checked). Nothing: the name's own, or a new one
+  Entity entity(std::string_view id, std::optional<Entity> spare = {});
   void set_physical(Entity entity, bool present);
   void set_virtual(Entity entity, bool present);
 
@@ -110,6 +113,7 @@ class BijectionMonitor {
   /// docs/protocols/hmi-api.md, "Bijection".
   void write(JsonWriter& json) const;
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Pair {
@@ -122,6 +126,7 @@ class BijectionMonitor {
     std::uint32_t divergences_measured{0};  ///< up to the end of the initial period
     std::uint32_t ages_measured{0};
     std::uint32_t actuals_measured{0};
+    [[nodiscard]] static Pair of(std::string_view id, const BijectionContract& contract);
     [[nodiscard]] bool orphan() const { return physical != image; }
   };
 

@@ -26,6 +26,17 @@ class Bijection : public testing::Test {
   BijectionMonitor monitor{BijectionContract{}};
 };
 
+TEST(BijectionMonitor, gives_a_spare_entity_to_the_next_name) {
+  BijectionMonitor monitor{BijectionContract{}};
+  const auto a = monitor.entity("make/a");
+  const auto b = monitor.entity("make/b");
+  EXPECT_EQ(monitor.entity("make/c", a), a);
+  EXPECT_EQ(monitor.entity("make/b"), b);
+  EXPECT_NE(monitor.entity("make/a"), a) << "the name is new again";
+  monitor.set_physical(b, true);
+  EXPECT_DEATH(monitor.entity("make/d", b), "physical");
+}
+
 TEST_F(Bijection, without_entities_holds) {
   wait(10s);
   EXPECT_EQ(monitor.matched_ratio(), 1.0);

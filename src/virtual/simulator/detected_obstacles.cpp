@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
@@ -143,5 +144,7 @@ void DetectedObstacles::fold(Digest& digest) const {
     digest.add(std::int64_t{obstacle.doubts});
   }
 }
+
+void DetectedObstacles::archive(Archive& archive) { archive(obstacles_, running_); }
 
 }  // namespace cosiva::virtual_side

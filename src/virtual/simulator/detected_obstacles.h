@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -62,6 +63,7 @@ class DetectedObstacles {
   [[nodiscard]] const std::vector<DetectedObstacle>& obstacles() const { return obstacles_; }
   [[nodiscard]] bool empty() const { return obstacles_.empty(); }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void appear(std::string_view vehicle, SimTime now, Point2 at, double radius_m);

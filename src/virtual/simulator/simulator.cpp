@@ -2,11 +2,21 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/zone/edit/edit.h"
 
 namespace cosiva::virtual_side {
+namespace {
+
+Simulator::Drawing drawing_of(const zone::TrafficZone& zone, const std::vector<zone::Primitive>& primitives) {
+  JsonWriter json;
+  zone::write_json(json, zone, primitives);
+  return {json.take(), zone::bounds(primitives)};
+}
+
+}  // namespace
 
 Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneConfiguration& configuration,
                                                 const Step& step) {
@@ -32,8 +42,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
            " crossings, " + std::to_string(made.tags.size()) + " tags");
   step("Simulator", "Circuit", "draw", "requests the drawing");
   const std::vector<zone::Primitive> primitives = zone::draw(made);
-  JsonWriter json;
-  zone::write_json(json, made, primitives);
+  Drawing drawing = drawing_of(made, primitives);
   step("Circuit", "Simulator", "draw", std::to_string(primitives.size()) + " primitives");
 
   const bool drive_on = zone_ != nullptr && zone::same_geometry(*zone_, made);
@@ -43,7 +52,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
     // vehicle that detects an obstacle near the new sections reports it within a tenth of a second.
     detected_.clear();
   }
-  drawing_ = {json.take(), zone::bounds(primitives)};
+  drawing_ = std::move(drawing);
   zone_ = rtm.shared_zone();
   rtm_ = std::move(*built);
   ++zone_revision_;
@@ -88,6 +97,21 @@ void Simulator::fold(Digest& digest) const {
   augmented_.fold(digest);
   detected_.fold(digest);
   monitor_.fold(digest);
+}
+
+void Simulator::archive(Archive& archive) {
+  archive(builder_, rtm_, zone_revision_);
+  if (archive.reads()) {
+    zone_ = rtm_ ? rtm_->shared_zone() : nullptr;
+    drawing_ = zone_ ? drawing_of(*zone_, zone::draw(*zone_)) : Drawing{};
+    twins_.clear();
+  }
+  const std::size_t twins = archive.count(twins_.size());
+  for (std::size_t i = 0; i < twins && !archive.failed(); ++i) {
+    if (archive.reads()) twins_.emplace_back(std::string{}, 0U, SimDuration{});
+    archive(twins_[i]);
+  }
+  archive(divergences_m_, entities_, augmented_, detected_, monitor_);
 }
 
 }  // namespace cosiva::virtual_side

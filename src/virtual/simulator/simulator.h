@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/simulator/augmented.h"
@@ -43,7 +44,11 @@ class Simulator {
   };
   /// Builds the RTM of a configuration without bringing it into force; receive() then takes this RTM. Fails with the
   /// factory's reason.
-  [[nodiscard]] Result<std::shared_ptr<const zone::Rtm>> build(const zone::ZoneConfiguration& configuration) {
+  /// @param built  the result where the configuration was built elsewhere, on another thread perhaps
+  [[nodiscard]] Result<std::shared_ptr<const zone::Rtm>> build(
+      const zone::ZoneConfiguration& configuration,
+      const std::optional<Result<std::shared_ptr<const zone::Rtm>>>& built = {}) {
+    if (built) builder_.take(configuration, *built);
     return builder_.build(configuration);
   }
   /// Builds the zone, or fails with the factory's reason and keeps the present zone.
@@ -86,6 +91,7 @@ class Simulator {
   [[nodiscard]] const BijectionMonitor& monitor() const { return monitor_; }
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   zone::RtmBuilder builder_;

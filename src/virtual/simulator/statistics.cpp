@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -93,5 +94,9 @@ void RecentP99::add(double value) {
   COSIVA_EXPECT(over_count_ <= filled_ && filled_ <= over_.size());
   next_ = next_ + 1 == over_.size() ? 0 : next_ + 1;
 }
+
+void Statistics::archive(Archive& archive) { archive(count_, sum_, max_, exact_, buckets_); }
+
+void RecentP99::archive(Archive& archive) { archive(limit_, over_, next_, filled_, over_count_); }
 
 }  // namespace cosiva::virtual_side

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 
@@ -24,6 +25,7 @@ class Statistics {
   [[nodiscard]] double percentile(double ratio) const;
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::uint64_t count_{0};
@@ -44,6 +46,7 @@ class RecentP99 {
 
   void add(double value);
   [[nodiscard]] bool held() const { return over_count_ * 100 <= filled_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   double limit_;

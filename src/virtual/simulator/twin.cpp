@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/simulator/follow.h"
@@ -278,6 +279,12 @@ void Twin::fold(Digest& digest) const {
   digest.add(position_.s_m);
   digest.add(correction_.a);
   digest.add(correction_.b);
+}
+
+void Twin::archive(Archive& archive) {
+  archive(id_, number_, extrapolate_max_, reported_, report_, speed_mps_, along_mps_, base_end_, ahead_m_max_,
+          on_circuit_, motion_, course_, on_course_, position_, left_m_, off_m_, heading_off_rad_, corrected_at_,
+          correction_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -83,6 +84,7 @@ class Twin {
   [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< last reported
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// In the coordinates of the mode: along, left, heading on a circuit; x, y, heading off it.

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
 
-void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p) {
+void Antenna::know(const zone::TrafficZone& zone) {
   by_section_.assign(zone.circuit.size(), {});
   for (const zone::Tag& tag : zone.tags) {
     const Point2 position = cosiva::position(zone.circuit.pose_at(tag.position));
@@ -17,6 +18,10 @@ void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_posit
       by_section_[id].push_back({tag.number, position});
     }
   }
+}
+
+void Antenna::put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p) {
+  know(zone);
   in_field_.clear();
   std::vector<Reading> unread;
   move(zone, track_position, track_position, p, p, unread);
@@ -64,5 +69,7 @@ void Antenna::enter(const InReach& tag, Point2 p_from, Point2 p_to, std::vector<
   in_field_.push_back(tag);
   readings.push_back({tag.number, (1.0 - t) * std::sqrt(way2)});
 }
+
+void Antenna::archive(Archive& archive) { archive(in_field_); }
 
 }  // namespace cosiva::virtual_side

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -24,10 +25,14 @@ class Antenna {
   /// Puts the antenna at p, with the tags of this zone from now on. A tag in the field at this time is not read.
   void put(const zone::TrafficZone& zone, zone::TrackPosition track_position, Point2 p);
 
+  /// The tags are this zone's from now on; what is in the field stays there.
+  void know(const zone::TrafficZone& zone);
+
   /// Moves the antenna straight from one track position to another a few centimetres away. Appends the tags that
   /// entered the field.
   void move(const zone::TrafficZone& zone, zone::TrackPosition from, zone::TrackPosition to, Point2 p_from, Point2 p_to,
             std::vector<Reading>& readings);
+  void archive(Archive& archive);  ///< the state without the tags of the zone, for a snapshot
 
  private:
   struct InReach {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -109,6 +110,11 @@ void SimulatedBoards::fold(Digest& digest) const {
     digest.add(driven_at_);
   }
   for (const Reading& reading : readings_) digest.add(std::uint64_t{reading.number});
+}
+
+void SimulatedBoards::archive(Archive& archive) {
+  archive(session_, powered_at_, lines_, heartbeat_next_, ranges_next_, power_next_, drive_, driven_at_, readings_,
+          received_, no_echoes_);
 }
 
 }  // namespace cosiva::virtual_side

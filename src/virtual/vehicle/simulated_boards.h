@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -47,6 +48,7 @@ class SimulatedBoards {
     return drive_ && now - driven_at_ <= drive_timeout ? &*drive_ : nullptr;
   }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Line {

@@ -9,6 +9,7 @@
 
 #include "cosiva/aiv/onboard/announced_zone.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/vehicle/simulated_boards.h"
 #include "cosiva/virtual/vehicle/virtual_body.h"
@@ -46,7 +47,9 @@ aiv::OnboardOptions options_of(std::string serial, std::uint32_t number, std::sh
 struct VirtualAiv::Impl {
   Impl(std::string serial, std::uint32_t number, const std::shared_ptr<const zone::Rtm>& rtm, zone::TrackPosition start,
        std::string interface_name, aiv::SpeedRules rules, bool v2x)
-      : boards{session_of(serial, number)},
+      : origin{rtm, start},
+        floors{rtm},
+        boards{session_of(serial, number)},
         core{options_of(std::move(serial), number, rtm, std::move(interface_name), std::move(rules), v2x, start)},
         body{rtm->shared_zone(), start} {
     for (const wire::Board board : wire::all_boards) {
@@ -110,6 +113,31 @@ struct VirtualAiv::Impl {
     }
   }
 
+  /// The RTM of one of the body's floors; null for no floor.
+  [[nodiscard]] std::shared_ptr<const zone::Rtm> rtm_of(const zone::TrafficZone* floor) const {
+    if (floor == nullptr) return nullptr;
+    const auto found =
+        std::ranges::find_if(floors, [floor](const auto& rtm) { return rtm->shared_zone().get() == floor; });
+    COSIVA_EXPECT(found != floors.end());
+    return *found;
+  }
+
+  void archive(Archive& archive) {
+    std::shared_ptr<const zone::Rtm> floor = rtm_of(body.floor());
+    std::shared_ptr<const zone::Rtm> next = rtm_of(body.next_floor());
+    archive(floor, next);
+    if (archive.reads() && !archive.failed() && !floor) archive.fail("a virtual AIV without a floor");
+    if (archive.failed()) return;
+    if (archive.reads()) {
+      floors = {floor};
+      if (next) floors.push_back(next);
+      body.put_on(floor->shared_zone(), next ? next->shared_zone() : nullptr);
+    }
+    archive(boards, core, body, awake, moved_at);
+  }
+
+  Origin origin;
+  std::vector<std::shared_ptr<const zone::Rtm>> floors;  ///< at least those of the body's floors
   SimulatedBoards boards;
   aiv::OnboardCore core;
   VirtualBody body;
@@ -147,6 +175,11 @@ void VirtualAiv::zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm, 
   COSIVA_EXPECT(rtm);
   impl_->wake(now, effects);
   impl_->body.change_floor(rtm->shared_zone());
+  impl_->floors.push_back(rtm);
+  std::erase_if(impl_->floors, [this](const auto& known) {
+    const zone::TrafficZone* zone = known->shared_zone().get();
+    return zone != impl_->body.floor() && zone != impl_->body.next_floor();
+  });
   impl_->feed({now,
                wire::InputKind::message,
                std::string(wire::zone_topic_prefix) + rtm->configuration().format,
@@ -182,5 +215,8 @@ void VirtualAiv::fold(Digest& digest) const {
   in.boards.fold(digest);
   in.body.fold(digest);
 }
+
+const VirtualAiv::Origin& VirtualAiv::origin() const { return impl_->origin; }
+void VirtualAiv::archive(Archive& archive) { impl_->archive(archive); }
 
 }  // namespace cosiva::virtual_side

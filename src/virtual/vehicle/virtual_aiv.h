@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/wire/messages/topics.h"
@@ -51,6 +52,14 @@ class VirtualAiv {
   /// Off the path: the nearest track position.
   [[nodiscard]] zone::TrackPosition track_position() const;
   void fold(Digest& digest) const;
+  /// What the virtual AIV was made from, apart from its name, number and options.
+  struct Origin {
+    std::shared_ptr<const zone::Rtm> rtm;
+    zone::TrackPosition start;
+  };
+  [[nodiscard]] const Origin& origin() const;
+  /// The state, for a snapshot: to be read into a virtual AIV of the same origin, name, number and options.
+  void archive(Archive& archive);
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 #include "cosiva/zone/edit/edit.h"
@@ -160,6 +161,17 @@ void VirtualBody::fold(Digest& digest) const {
   digest.add(speed_mps());
   digest.add(distance_m_);
   digest.add(std::uint64_t{off_line_});
+}
+
+void VirtualBody::archive(Archive& archive) {
+  archive(motion_, antenna_, speed_mps_, distance_m_, branch_, off_line_, lies_on_line_, manoeuvre_, X_MS_, goal_);
+}
+
+void VirtualBody::put_on(std::shared_ptr<const zone::TrafficZone> zone, std::shared_ptr<const zone::TrafficZone> next) {
+  COSIVA_EXPECT(zone);
+  zone_ = std::move(zone);
+  next_ = std::move(next);
+  antenna_.know(*zone_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 
 #include "cosiva/aiv/motion/manoeuvre.h"
 #include "cosiva/aiv/motion/motion.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/virtual/vehicle/antenna.h"
@@ -38,6 +39,13 @@ class VirtualBody {
   /// The pose in a manoeuvre, relative to its start; nothing: no manoeuvre.
   [[nodiscard]] const Pose2* manoeuvre() const { return manoeuvre_ ? &manoeuvre_->X_SB() : nullptr; }
   void fold(Digest& digest) const;
+  /// The floor, and the one that follows at standstill; null: none follows.
+  [[nodiscard]] const zone::TrafficZone* floor() const { return zone_.get(); }
+  [[nodiscard]] const zone::TrafficZone* next_floor() const { return next_.get(); }
+  void archive(Archive& archive);  ///< the state without the floors, for a snapshot
+  /// To be called before the state of a body on these floors is read.
+  /// @param zone  not null (checked)
+  void put_on(std::shared_ptr<const zone::TrafficZone> zone, std::shared_ptr<const zone::TrafficZone> next);
 
  private:
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }

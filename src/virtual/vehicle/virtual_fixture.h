@@ -7,6 +7,7 @@
 
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/virtual/vehicle/virtual_aiv.h"
+#include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/vda5050/codec.h"
@@ -130,6 +131,7 @@ class VirtualFixture {
       return keep(wire::virtual_obstacles_ack_from_json(publish.payload), felts, topic);
     if (topic == wire::own_topic(wire::boards_topic_prefix, aiv.id()))
       return keep(wire::boards_report_from_json(publish.payload), reports, topic);
+    if (topic == wire::own_topic(wire::link_check_topic_prefix, aiv.id())) return;  // its broker is not part of this
     if (wire::parse_v2x_topic(topic)) return keep(wire::intent_from_json(publish.payload), intents, topic);
     strange.push_back("unexpected topic " + topic);
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -24,9 +25,14 @@ constexpr std::size_t slots = 64;
 /// a slot is used.
 constexpr std::size_t marked_bytes = 128;
 
-std::size_t slot_of(std::string_view json) {
+struct KnownTopic {
+  std::string text;
+  std::optional<V2xTopic> topic;
+};
+
+std::size_t slot_of(std::string_view text) {
   Digest fiducial;
-  fiducial.add(json.substr(0, marked_bytes));
+  fiducial.add(text.substr(0, marked_bytes));
   // The digest's last step is a product: its high bits are the mixed ones.
   return static_cast<std::size_t>(fiducial.value() >> 32U) % slots;
 }
@@ -47,6 +53,16 @@ Result<std::shared_ptr<const Intent>> received_intent(std::string_view json) {
 Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {
   if (const auto* intent = value_as<Intent>(input.typed)) return std::shared_ptr<const Intent>{input.typed, intent};
   return received_intent(input.payload);
+}
+
+const V2xTopic* received_v2x_topic(std::string_view topic) {
+  static thread_local std::array<KnownTopic, slots> received;
+  KnownTopic& slot = received[slot_of(topic)];
+  if (!slot.topic || slot.text != topic) {
+    slot.text.assign(topic);
+    slot.topic = parse_v2x_topic(topic);
+  }
+  return slot.topic ? &*slot.topic : nullptr;
 }
 
 }  // namespace cosiva::wire

@@ -16,4 +16,7 @@ namespace cosiva::wire {
 /// Likewise, of a message that may have been passed on as values (said.h).
 [[nodiscard]] Result<std::shared_ptr<const Intent>> received_intent(const Input& input);
 
+/// The result of parse_v2x_topic, cached likewise; null where that gives nothing. Valid until the next call.
+[[nodiscard]] const V2xTopic* received_v2x_topic(std::string_view topic);
+
 }  // namespace cosiva::wire

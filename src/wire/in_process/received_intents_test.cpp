@@ -67,5 +67,25 @@ TEST(ReceivedIntents, are_read_from_the_text_where_the_value_is_another_message)
   EXPECT_EQ(*received.value(), intent_numbered(6));
 }
 
+TEST(ReceivedV2xTopic, is_that_of_the_text_also_the_second_time_and_in_turn_with_others) {
+  const VehicleId vehicle{"CoSiVA", "AIV1"};
+  for (int round = 0; round < 2; ++round) {
+    for (std::int32_t x = -40; x <= 40; ++x) {  // more than are cached
+      const std::string text = v2x_topic("oval", Cell{x, 2}, vehicle);
+      const V2xTopic* topic = received_v2x_topic(text);
+      ASSERT_NE(topic, nullptr) << text;
+      EXPECT_EQ(topic->map_level, "oval");
+      EXPECT_EQ(topic->cell, (Cell{x, 2}));
+      EXPECT_EQ(topic->vehicle, vehicle);
+    }
+  }
+}
+
+TEST(ReceivedV2xTopic, is_null_for_another_text) {
+  EXPECT_EQ(received_v2x_topic("cosiva/v1/v2x/oval"), nullptr);
+  EXPECT_EQ(received_v2x_topic("cosiva/v1/v2x/oval"), nullptr) << "again";
+  EXPECT_EQ(received_v2x_topic(""), nullptr);
+}
+
 }  // namespace
 }  // namespace cosiva::wire

@@ -1,5 +1,7 @@
 #include "cosiva/wire/in_process/typed_message.h"
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::wire {
 namespace {
 
@@ -51,6 +53,14 @@ Result<BoardsReport> boards_report_from(const Input& input) { return typed_or(in
 void TypedMessage::fold(Digest& digest) const {
   digest.add(std::uint64_t{message.index()});
   digest.add(std::uint64_t{std::visit([](const auto& typed) { return number_of(typed); }, message)});
+}
+
+void archive_value(Archive& archive, std::shared_ptr<const TypedMessage>& message) {
+  std::optional<TypedMessage::Message> content;
+  if (message) content = message->message;
+  archive(content);
+  if (!archive.reads() || archive.failed()) return;
+  message = content ? std::make_shared<const TypedMessage>(std::move(*content)) : nullptr;
 }
 
 }  // namespace cosiva::wire

@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
@@ -25,6 +26,8 @@ class TypedMessage final : public InProcessMessage {
 
   Message message;
 };
+
+void archive_value(Archive& archive, std::shared_ptr<const TypedMessage>& message);
 
 /// The message as its text would be read: times to the millisecond, and without the fields that the text omits.
 [[nodiscard]] State as_received(State&& message);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/module_link/cobs.h"
 #include "cosiva/wire/module_link/payload.h"
@@ -74,6 +75,13 @@ Result<Frame> decode(std::string_view frame) {
   return Frame{content->bytes[1], std::move(*message)};
 }
 
+BoardMessage as_read(BoardMessage&& message) {
+  if (auto* display = std::get_if<Display>(&message)) display->text.resize(display_bytes(display->text));
+  if (auto* drive = std::get_if<Drive>(&message); drive != nullptr && !drive->seek) drive->goal.reset();
+  if (const auto* ranges = std::get_if<Ranges>(&message)) COSIVA_EXPECT(ranges->range_mm.size() <= beams_max);
+  return std::move(message);
+}
+
 void Decoder::feed(std::string_view bytes, std::vector<BoardMessage>& messages) {
   constexpr std::size_t frame_max = frame_bytes_max - 1;  // without its delimiter
   for (;;) {
@@ -108,11 +116,15 @@ void Decoder::finish_frame(std::string_view frame, std::vector<BoardMessage>& me
     count_up(counters_.frames_bad, 1);
     return;
   }
-  counters_.frames_good = static_cast<std::uint16_t>(counters_.frames_good + 1U);
-  if (last_sequence_ && !std::holds_alternative<Hello>(decoded->message))
-    count_up(counters_.frames_missed, static_cast<std::uint8_t>(decoded->sequence - *last_sequence_ - 1));
-  last_sequence_ = decoded->sequence;
+  count(decoded->sequence, decoded->message);
   messages.push_back(std::move(decoded->message));
+}
+
+void Decoder::count(std::uint8_t sequence, const BoardMessage& message) {
+  counters_.frames_good = static_cast<std::uint16_t>(counters_.frames_good + 1U);
+  if (last_sequence_ && !std::holds_alternative<Hello>(message))
+    count_up(counters_.frames_missed, static_cast<std::uint8_t>(sequence - *last_sequence_ - 1));
+  last_sequence_ = sequence;
 }
 
 void Decoder::restart() {
@@ -120,5 +132,9 @@ void Decoder::restart() {
   overlong_ = false;
   last_sequence_.reset();
 }
+
+void Encoder::archive(Archive& archive) { archive(sequence_); }
+
+void Decoder::archive(Archive& archive) { archive(frame_, overlong_, last_sequence_, counters_); }
 
 }  // namespace cosiva::wire::module_link

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/board.h"
 
@@ -27,11 +28,18 @@ inline constexpr std::size_t beams_max = 32;         ///< of a Ranges
 /// The same, appended to `out`, which saves an allocation where several frames leave together.
 void append_frame(std::string& out, const BoardMessage& message, std::uint8_t sequence);
 
+/// The message as the other side reads it from its frame: a text over 32 bytes loses whole characters from its end, and
+/// a Drive that does not seek has no goal. More than 32 beams are a defect of the caller (COSIVA_EXPECT).
+[[nodiscard]] BoardMessage as_read(BoardMessage&& message);
+
 /// Numbers the frames that it sends.
 class Encoder {
  public:
+  /// Of a frame that is passed on as values instead.
+  [[nodiscard]] std::uint8_t next_sequence() { return sequence_++; }
   [[nodiscard]] std::string encode(const BoardMessage& message) { return module_link::encode(message, sequence_++); }
   void append(std::string& out, const BoardMessage& message) { append_frame(out, message, sequence_++); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::uint8_t sequence_{0};
@@ -49,9 +57,12 @@ class Decoder {
   };
   /// Appends the complete messages. Never fails: damage is counted.
   void feed(std::string_view bytes, std::vector<BoardMessage>& messages);
+  /// A frame passed on as values: counted like one that was read from bytes.
+  void count(std::uint8_t sequence, const BoardMessage& message);
   /// A new connection: discards the unfinished frame and the last sequence number; the counters go on.
   void restart();
   [[nodiscard]] const Counters& counters() const { return counters_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void finish_frame(std::string_view frame, std::vector<BoardMessage>& messages);

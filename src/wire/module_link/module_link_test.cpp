@@ -560,5 +560,44 @@ TEST(Crc16, of_a_message_and_its_crc_is_zero) {
   EXPECT_EQ(crc16("123456789\x91\x6F"), 0);
 }
 
+TEST(AsRead, is_what_the_frame_of_any_message_holds) {
+  EXPECT_TRUE(rc::check("decode(encode(m)) is as_read(m)", [] {
+    const BoardMessage message = *any_message();
+    const std::string bytes = encode(message, 5);
+    const auto frame = decode(std::string_view{bytes}.substr(0, bytes.size() - 1));
+    RC_ASSERT(frame.has_value());
+    RC_ASSERT(frame->message == as_read(BoardMessage{message}));
+  }));
+}
+
+TEST(AsRead, cuts_a_long_text_and_drops_the_goal_of_a_drive_that_does_not_seek) {
+  EXPECT_EQ(as_read(Display{std::string(31, 'a') + "é"}), BoardMessage{Display{std::string(31, 'a')}});
+  const Manoeuvre goal{214, -35, -1571};
+  EXPECT_EQ(as_read(Drive{150, 500, 800, no_branch, false, goal}),
+            (BoardMessage{Drive{150, 500, 800, no_branch, false}}));
+  EXPECT_EQ(as_read(Drive{150, 500, 800, no_branch, true, goal}),
+            (BoardMessage{Drive{150, 500, 800, no_branch, true, goal}}));
+}
+
+TEST(Decoder, counts_frames_passed_on_as_values_like_those_read_from_bytes) {
+  Decoder of_bytes;
+  Decoder of_values;
+  std::vector<BoardMessage> received;
+  const auto pass = [&](std::uint8_t sequence, const BoardMessage& message) {
+    of_bytes.feed(encode(message, sequence), received);
+    of_values.count(sequence, message);
+    EXPECT_EQ(of_values.counters(), of_bytes.counters());
+  };
+  pass(7, Heartbeat{});
+  pass(8, Heartbeat{});
+  pass(11, Heartbeat{});                 // two are missing
+  pass(0, Hello{Board::PILS, 1, 2, 3});  // a new sequence
+  pass(1, Heartbeat{});
+  of_bytes.restart();
+  of_values.restart();
+  pass(200, Heartbeat{});
+  EXPECT_EQ(of_values.counters(), (Decoder::Counters{6, 0, 2}));
+}
+
 }  // namespace
 }  // namespace cosiva::wire::module_link

@@ -7,14 +7,6 @@
 namespace cosiva::wire::module_link {
 namespace {
 
-/// Length of the longest beginning of `text` within 32 bytes that cuts no UTF-8 character in two.
-std::size_t display_bytes(const std::string& text) {
-  if (text.size() <= text_bytes_max) return text.size();
-  std::size_t end = text_bytes_max;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-  return end;
-}
-
 // Bits of an Odometry's and of a Drive's flags.
 constexpr std::uint8_t line_lost_flag = 1;
 constexpr std::uint8_t manoeuvre_flag = 2;
@@ -218,6 +210,13 @@ Result<BoardMessage> read_power(std::span<const std::uint8_t> payload) {
 }
 
 }  // namespace
+
+std::size_t display_bytes(std::string_view text) {
+  if (text.size() <= text_bytes_max) return text.size();
+  std::size_t end = text_bytes_max;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return end;
+}
 
 void write_payload(PayloadWriter& out, const BoardMessage& message) { std::visit(Write{out}, message); }
 

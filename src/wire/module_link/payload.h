@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <type_traits>
 
 #include "cosiva/base/expect.h"
@@ -56,6 +57,9 @@ class PayloadReader {
 [[nodiscard]] inline std::uint8_t type_number(const BoardMessage& message) {
   return static_cast<std::uint8_t>(message.index() + 1);
 }
+
+/// Length of the longest beginning of `text` within 32 bytes that cuts no UTF-8 character in two.
+[[nodiscard]] std::size_t display_bytes(std::string_view text);
 
 void write_payload(PayloadWriter& out, const BoardMessage& message);
 

@@ -1,5 +1,8 @@
 #include "cosiva/wire/runtime/core.h"
 
+#include <algorithm>
+
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::wire {
@@ -18,6 +21,7 @@ struct Fold {
     digest.add(std::uint64_t{2});
     digest.add(std::string_view{s.port});
     digest.add(std::string_view{s.bytes});
+    if (s.typed) s.typed->fold(digest);
   }
   void operator()(const Persist& r) const {
     digest.add(std::uint64_t{3});
@@ -32,6 +36,12 @@ struct Fold {
 };
 
 }  // namespace
+
+Result<std::string> Core::snapshot() const { return fail("snapshot.unsupported", "this core has no snapshots"); }
+
+Result<void> Core::continue_from(std::string_view) {
+  return fail("snapshot.unsupported", "this core has no snapshots");
+}
 
 const Effects& CoreRunner::feed(const Input& input) {
   COSIVA_EXPECT(!recorder_ || !input.typed || !input.payload.empty());
@@ -50,6 +60,11 @@ Digest CoreRunner::digest() const {
 }
 
 bool topic_matches(std::string_view filter, std::string_view topic) {
+  // Nearly all filters that do not match differ from the topic before their first wildcard.
+  const std::size_t shorter = std::min(filter.size(), topic.size());
+  for (std::size_t i = 0; i < shorter && filter[i] != '+' && filter[i] != '#'; ++i) {
+    if (filter[i] != topic[i]) return false;
+  }
   for (;;) {
     if (filter == "#") return true;
     const std::size_t f = filter.find('/');
@@ -62,6 +77,11 @@ bool topic_matches(std::string_view filter, std::string_view topic) {
     filter.remove_prefix(f + 1);
     topic.remove_prefix(t + 1);
   }
+}
+
+void archive_value(Archive& archive, std::shared_ptr<const InProcessMessage>& message) {
+  if (!archive.reads() && message) archive.fail("a message as values cannot be stored");
+  if (archive.reads()) message.reset();
 }
 
 }  // namespace cosiva::wire

@@ -9,7 +9,9 @@
 #include <variant>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
+#include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 
 namespace cosiva::wire {
@@ -31,6 +33,9 @@ class InProcessMessage {
   InProcessMessage& operator=(InProcessMessage&&) = default;
 };
 
+/// Stores null only; a message as values makes the archive fail, because this interface does not know its kind.
+void archive_value(Archive& archive, std::shared_ptr<const InProcessMessage>& message);
+
 /// Every kind of input of a core. One record type for all cores: the journal stores it, the network delivers it, replay
 /// feeds it again. The journal stores these numbers; never reuse one.
 enum class InputKind : std::uint8_t {
@@ -44,6 +49,7 @@ enum class InputKind : std::uint8_t {
   restore = 8,    ///< what Persist stored before the last stop; payload = bytes, only right after configure
   proposal = 9,   ///< a command in a store that the core is given once this record is durable, as `command` with flag
   persisted = 10,  ///< in a store: the state that the core has persisted, with which `restore` continues
+  snapshot = 11,   ///< in a store: the complete state of the core (journal/store/core_state.h)
 };
 
 struct Input {
@@ -52,7 +58,8 @@ struct Input {
   std::string source;
   std::string payload;
   bool flag{false};
-  /// The content as values: of a message, whose payload is empty then, or of a decoded command, next to its text.
+  /// The content as values: of a message or of frames, whose payload is empty then, or of a decoded command, next to
+  /// its text.
   std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Input&, const Input&) = default;
 };
@@ -62,7 +69,7 @@ struct Publish {
   std::string payload;
   int qos{0};
   bool retained{false};
-  /// The content, where it is passed on as values (said.h); the payload is empty then.
+  /// The content, where it is passed on as values (in_process/typed_message.h); the payload is empty then.
   std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const Publish&, const Publish&) = default;
 };
@@ -70,6 +77,8 @@ struct Publish {
 struct SendBytes {
   std::string port;
   std::string bytes;
+  /// Frames to or from boards, where they are passed on as values (in_process/board_frames.h); `bytes` is empty then.
+  std::shared_ptr<const InProcessMessage> typed{};
   friend bool operator==(const SendBytes&, const SendBytes&) = default;
 };
 /// Store these few bytes over a crash of the process; each replaces the last.
@@ -106,10 +115,22 @@ class Core {
   [[nodiscard]] virtual SimDuration tick_period() const = 0;
   [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters, constant
   [[nodiscard]] virtual std::optional<Will> will() const { return std::nullopt; }
+  /// Whether this core can carry out commands that an earlier process accepted and was not given: a core may have to
+  /// learn first what they are about. Once true, it stays so.
+  [[nodiscard]] virtual bool takes_earlier_commands() const { return true; }
   /// Last messages before a clean end (VDA 5050: OFFLINE before DISCONNECT).
   virtual void farewell(SimTime /*now*/, Effects& /*effects*/) {}
   /// Folds the core's state at the end into the run's digest.
   virtual void fold(Digest& digest) const = 0;
+
+  /// The complete state between two inputs: another core with the same options that continues from it gives the same
+  /// effects to the same further inputs, and has the same digest. Fails ("snapshot.unsupported") where the core has no
+  /// snapshots, or something in its present state cannot be stored.
+  [[nodiscard]] virtual Result<std::string> snapshot() const;
+  /// Takes the state of snapshot(), instead of `configure` and `restore`: only before the first input. Fails with a
+  /// "snapshot." code where the bytes are damaged, of another format, or of a core with other options; the core is then
+  /// unused, as it was.
+  [[nodiscard]] virtual Result<void> continue_from(std::string_view snapshot);
 };
 
 /// Feeds a core: first records the input, then lets the core act, then folds its effects (the journal's rule).
@@ -123,6 +144,9 @@ class CoreRunner {
   const Effects& feed(const Input& input);
   /// Digest of all inputs' times and all effects so far, and the core's state now.
   [[nodiscard]] Digest digest() const;
+  /// The same of the inputs and effects only: with a snapshot of the core, what its successor continues from.
+  [[nodiscard]] Digest history() const { return digest_; }
+  void continue_history(Digest history) { digest_ = history; }
   [[nodiscard]] Core& core() { return core_; }
 
  private:

@@ -14,8 +14,30 @@ constexpr int tries_max = 100;
 /// Topics come from the program itself; the bound only limits the memory that a defect may take.
 constexpr std::size_t cached_topics_max = 4096;
 
+SimDuration draw_up_to(Random& dice, SimDuration longest) {
+  return SimDuration{static_cast<SimDuration::rep>(dice.below(static_cast<std::uint64_t>(longest.count()) + 1))};
+}
+
+SimDuration draw_delay(Random& dice, const NetworkFaults& faults) {
+  return faults.delay_min + draw_up_to(dice, faults.delay_max - faults.delay_min);
+}
+
 bool matches_any(const std::vector<std::string>& filters, std::string_view topic) {
   return std::ranges::any_of(filters, [&](const std::string& filter) { return topic_matches(filter, topic); });
+}
+
+bool goes_aside(const NetworkFaults& faults, std::string_view topic) {
+  return !faults.aside_prefix.empty() && topic.starts_with(faults.aside_prefix);
+}
+
+/// How much later a QoS 1 message is by retries; each loss is added to `lost`.
+SimDuration draw_radio_retries(Random& dice, double loss, SimDuration retry, std::uint64_t& lost) {
+  SimDuration later{};
+  for (int tries = 0; loss > 0.0 && tries < tries_max && dice.chance(loss); ++tries) {
+    ++lost;
+    later += retry;
+  }
+  return later;
 }
 
 }  // namespace
@@ -31,7 +53,7 @@ Network::Network(std::uint64_t seed, NetworkFaults faults)
 
 Network::ClientId Network::connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will) {
   const auto id = static_cast<ClientId>(clients_.size());
-  clients_.push_back({true, std::move(filters), {}, std::move(will), now, now, now, 0.0, now});
+  clients_.push_back({true, std::move(filters), {}, std::move(will), now, now, now, 0.0, now, {}, {}, {}});
   subscribers_.clear();
   for (const auto& [topic, message] : retained_) {
     if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, true);
@@ -79,8 +101,15 @@ void Network::publish(SimTime now, ClientId from, const Publish& message) {
   COSIVA_EXPECT(from < clients_.size());
   Client& client = clients_[from];
   if (!client.connected) return;
+  if (client.blocked.to_broker && !goes_aside(faults_, message.topic)) {
+    if (message.qos == 0)
+      ++counters_.lost;
+    else
+      client.unsent.push_back(message);
+    return;
+  }
   if (message.qos == 0) {
-    Random& dice = goes_aside(message.topic) ? aside_random_ : radio_random_;
+    Random& dice = goes_aside(faults_, message.topic) ? aside_random_ : radio_random_;
     if (client.loss > 0.0 && dice.chance(client.loss)) {
       ++counters_.lost;
       return;
@@ -88,7 +117,8 @@ void Network::publish(SimTime now, ClientId from, const Publish& message) {
     return route(now, message);
   }
   route_due(now);  // messages sent earlier that have arrived by now come first
-  const SimTime at = std::max(now + draw_radio_retries(radio_random_, client.loss), client.last_sent_due);
+  const SimTime at = std::max(now + draw_radio_retries(radio_random_, client.loss, faults_.retry, counters_.lost),
+                              client.last_sent_due);
   if (at <= now) return route(now, message);
   client.last_sent_due = at;
   send_later(at, from, message);
@@ -99,13 +129,44 @@ void Network::set_loss(ClientId client, double ratio) {
   clients_[client].loss = ratio;
 }
 
-SimDuration Network::draw_radio_retries(Random& dice, double loss) {
-  SimDuration later{};
-  for (int tries = 0; loss > 0.0 && tries < tries_max && dice.chance(loss); ++tries) {
-    ++counters_.lost;
-    later += faults_.retry;
+void Network::set_blocked(SimTime now, ClientId id, Blocked blocked) {
+  COSIVA_EXPECT(id < clients_.size());
+  clients_[id].blocked = blocked;
+  if (!blocked.to_broker) {
+    for (const Publish& message : std::exchange(clients_[id].unsent, {})) publish(now, id, message);
   }
-  return later;
+  if (blocked.from_broker) return;
+  for (Delivery& late : std::exchange(clients_[id].undelivered, {})) {
+    Client& client = clients_[id];
+    client.last_acked_due = std::max(now + faults_.delay_min, client.last_acked_due);
+    enqueue(client.last_acked_due, id, {late.topic, late.payload, 1, late.retained, late.typed}, late.retained);
+  }
+}
+
+void Network::stop(SimTime now) {
+  for (ClientId id = 0; id < clients_.size(); ++id) disconnect(now, id);
+  retained_.clear();
+  queue_.clear();
+  slots_.clear();
+  free_slots_.clear();
+  sending_.clear();
+}
+
+void Network::set_faults(NetworkFaults faults) {
+  COSIVA_EXPECT(faults.aside_prefix == faults_.aside_prefix);
+  COSIVA_EXPECT(faults.delay_min >= SimDuration::zero() && faults.delay_max >= faults.delay_min);
+  COSIVA_EXPECT(faults.reorder_window >= SimDuration::zero() && faults.retry >= SimDuration::zero());
+  faults_ = std::move(faults);
+}
+
+bool Network::held_back(SimTime now, ClientId to, const Publish& message, bool from_retained) {
+  Client& client = clients_[to];
+  if (!client.blocked.from_broker || goes_aside(faults_, message.topic)) return false;
+  if (message.qos == 0)
+    ++counters_.lost;
+  else
+    client.undelivered.push_back({to, now, message.topic, message.payload, from_retained, message.typed});
+  return true;
 }
 
 void Network::send_later(SimTime at, ClientId from, const Publish& message) {
@@ -138,13 +199,13 @@ const std::vector<Network::ClientId>& Network::subscribers(const std::string& to
   if (subscribers_.size() >= cached_topics_max) subscribers_.clear();
   std::vector<ClientId>& ids = subscribers_[topic];
   for (ClientId id = 0; id < clients_.size(); ++id) {
-    if (clients_[id].connected && receives(clients_[id], topic)) ids.push_back(id);
+    if (clients_[id].connected && clients_[id].receives(topic)) ids.push_back(id);
   }
   return ids;
 }
 
-bool Network::receives(const Client& client, std::string_view topic) const {
-  return matches_any(client.filters, topic) || matches_any(client.listens, topic);
+bool Network::Client::receives(std::string_view topic) const {
+  return matches_any(filters, topic) || matches_any(listens, topic);
 }
 
 void Network::forget_subscribers(std::string_view filter) {
@@ -156,13 +217,10 @@ void Network::forget_subscribers(std::string_view filter) {
   }
 }
 
-bool Network::goes_aside(std::string_view topic) const {
-  return !faults_.aside_prefix.empty() && topic.starts_with(faults_.aside_prefix);
-}
-
 void Network::schedule(SimTime now, ClientId to, const Publish& message, bool from_retained) {
+  if (held_back(now, to, message, from_retained)) return;
   Client& client = clients_[to];
-  const bool aside = goes_aside(message.topic);
+  const bool aside = goes_aside(faults_, message.topic);
   Random& dice = aside ? aside_random_ : random_;
   Random& radio_dice = aside ? aside_random_ : radio_random_;
   SimTime& last_due = aside ? client.last_aside_due : client.last_due;
@@ -170,7 +228,7 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
     ++counters_.lost;
     return;
   }
-  SimTime at = std::max(now + draw_delay(dice), last_due);
+  SimTime at = std::max(now + draw_delay(dice, faults_), last_due);
   bool ordinary = true;
   if (message.qos > 0) {
     // The common fault draws even where it is 0: runs of the same seed have always done so.
@@ -179,7 +237,7 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
       ++counters_.lost;
       later += faults_.retry;
     }
-    later += draw_radio_retries(radio_dice, client.loss);
+    later += draw_radio_retries(radio_dice, client.loss, faults_.retry, counters_.lost);
     at += later;
     ordinary = later == SimDuration::zero() && at >= client.last_acked_due;
     at = std::max(at, client.last_acked_due);
@@ -202,7 +260,7 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
     ++counters_.duplicated;
     // A QoS 1 copy comes right behind the first, so that the order is preserved; a QoS 0 copy may come behind later
     // messages.
-    enqueue(message.qos > 0 ? at : at + draw_delay(dice), to, message, from_retained);
+    enqueue(message.qos > 0 ? at : at + draw_delay(dice, faults_), to, message, from_retained);
   }
 }
 
@@ -213,7 +271,14 @@ void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from
   }
   const std::size_t slot = free_slots_.back();
   free_slots_.pop_back();
-  slots_[slot] = {to, at, message.topic, message.payload, from_retained, message.typed};
+  // Assigned one by one: the texts of the slot's last delivery give their memory.
+  Delivery& delivery = slots_[slot];
+  delivery.to = to;
+  delivery.at = at;
+  delivery.topic.assign(message.topic);
+  delivery.payload.assign(message.payload);
+  delivery.retained = from_retained;
+  delivery.typed = message.typed;
   queue_.push_back({at, sequence_++, slot});
   std::push_heap(queue_.begin(), queue_.end(), Later{});
 }
@@ -226,25 +291,31 @@ std::optional<SimTime> Network::next_due() const {
 }
 
 void Network::take_due(SimTime now, std::vector<Delivery>& out) {
+  deliver_due(now, [&](Delivery& delivery) { out.push_back(std::move(delivery)); });
+}
+
+void Network::begin_delivery(SimTime now) {
+  COSIVA_EXPECT(due_.empty());
   route_due(now);
   while (!queue_.empty() && queue_.front().at <= now) {
     std::pop_heap(queue_.begin(), queue_.end(), Later{});
     const std::size_t slot = queue_.back().slot;
     queue_.pop_back();
-    free_slots_.push_back(slot);
-    Delivery& delivery = slots_[slot];
-    if (!clients_[delivery.to].connected) continue;
+    if (!clients_[slots_[slot].to].connected) {
+      release(slot);
+      continue;
+    }
     ++counters_.delivered;
-    out.push_back(std::move(delivery));
+    due_.push_back(slot);
   }
 }
 
-SimDuration Network::draw_delay(Random& dice) const {
-  return faults_.delay_min + draw_up_to(dice, faults_.delay_max - faults_.delay_min);
-}
-
-SimDuration Network::draw_up_to(Random& dice, SimDuration longest) {
-  return SimDuration{static_cast<SimDuration::rep>(dice.below(static_cast<std::uint64_t>(longest.count()) + 1))};
+void Network::release(std::size_t slot) {
+  slots_[slot].typed.reset();
+  // A text as large as a zone is rare, and its memory is not needed for a message of a hundred bytes.
+  constexpr std::size_t reused_bytes_max = 4096;
+  if (slots_[slot].payload.capacity() > reused_bytes_max) std::string{}.swap(slots_[slot].payload);
+  free_slots_.push_back(slot);
 }
 
 }  // namespace cosiva::wire

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -43,6 +45,12 @@ class Network {
     std::shared_ptr<const InProcessMessage> typed{};
   };
 
+  /// Directions in which a partition lets nothing pass.
+  struct Blocked {
+    bool to_broker{false};
+    bool from_broker{false};
+  };
+
   Network(std::uint64_t seed, NetworkFaults faults);
 
   /// Subscribes at once; retained messages follow as deliveries.
@@ -57,10 +65,30 @@ class Network {
   /// lost, QoS 1 is late by a retry each time, still in order. Drawn from a random stream of its own, so that a run
   /// without such a loss is the same run as before.
   void set_loss(ClientId client, double ratio);
+  /// Partitions the client from the broker in one direction or both, until the next call. What passes with QoS 0 in a
+  /// blocked direction is lost; QoS 1 waits at its sender, and follows in order.
+  void set_blocked(SimTime now, ClientId client, Blocked blocked);
+  /// The broker dies: all connections end without a last will, and its retained messages and queues are lost.
+  void stop(SimTime now);
+  /// Other faults from now on; the prefix of separate messages must stay the same (checked).
+  void set_faults(NetworkFaults faults);
 
+  /// The number of messages in transit: sent, and not delivered yet.
+  [[nodiscard]] std::size_t in_transit() const { return queue_.size() + sending_.size(); }
   [[nodiscard]] std::optional<SimTime> next_due() const;
   /// Moves out, in order, everything due at or before `now`.
   void take_due(SimTime now, std::vector<Delivery>& out);
+  /// Likewise, gives each delivery to `receive(Delivery&)` instead. What is published meanwhile is due later, even with
+  /// a delay of zero. The receiver may swap the texts for others, whose memory is used again.
+  template <typename Receive>
+  void deliver_due(SimTime now, Receive receive) {
+    begin_delivery(now);
+    for (std::size_t i = 0; i < due_.size(); ++i) {
+      receive(slots_[due_[i]]);
+      release(due_[i]);
+    }
+    due_.clear();
+  }
 
   struct Counters {
     std::uint64_t published{};
@@ -82,6 +110,10 @@ class Network {
     SimTime last_acked_due{};  ///< no QoS 1 delivery overtakes one that had to be tried again
     double loss{0.0};          ///< of this client's radio alone
     SimTime last_sent_due{};   ///< no QoS 1 message of this client overtakes one still in transit to the broker
+    Blocked blocked{};
+    std::vector<Publish> unsent{};        ///< QoS 1, while blocked to the broker
+    std::vector<Delivery> undelivered{};  ///< QoS 1, while blocked from the broker
+    [[nodiscard]] bool receives(std::string_view topic) const;
   };
   /// A delivery stays in its slot while the heap is put in order.
   struct Queued {
@@ -100,18 +132,18 @@ class Network {
     ClientId from;
     Publish message;
   };
+  /// Moves the slots of all deliveries due by `now` to due_.
+  void begin_delivery(SimTime now);
+  void release(std::size_t slot);
   void route(SimTime now, const Publish& message);
-  [[nodiscard]] SimDuration draw_radio_retries(Random& dice, double loss);
   void send_later(SimTime at, ClientId from, const Publish& message);
   void route_due(SimTime now);
-  [[nodiscard]] bool receives(const Client& client, std::string_view topic) const;
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
   void forget_subscribers(std::string_view filter);
-  [[nodiscard]] bool goes_aside(std::string_view topic) const;
   void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
+  /// Whether a partition keeps the message from its receiver, now or for good.
+  [[nodiscard]] bool held_back(SimTime now, ClientId to, const Publish& message, bool from_retained);
   void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
-  [[nodiscard]] SimDuration draw_delay(Random& dice) const;
-  [[nodiscard]] static SimDuration draw_up_to(Random& dice, SimDuration longest);
 
   Random random_;
   Random radio_random_;
@@ -121,9 +153,10 @@ class Network {
   std::map<std::string, Publish> retained_;
   /// The subscribers of a topic, determined once per topic until a client connects or disconnects.
   std::map<std::string, std::vector<ClientId>> subscribers_;
-  std::vector<Queued> queue_;  ///< a heap, earliest first
-  std::vector<Delivery> slots_;
+  std::vector<Queued> queue_;   ///< a heap, earliest first
+  std::deque<Delivery> slots_;  ///< a slot stays where it is while others are added
   std::vector<std::size_t> free_slots_;
+  std::vector<std::size_t> due_;  ///< being delivered
   std::vector<Sending> sending_;  ///< by time, equal ones in the order in which they were sent
   std::uint64_t sequence_{0};
   Counters counters_;

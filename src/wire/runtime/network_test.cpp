@@ -743,5 +743,94 @@ TEST(RetainedMessage, of_topics_that_no_new_filter_matches_is_not_sent) {
   EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("a", "retained b", "retained b", "retained c"));
 }
 
+TEST(Network, gives_deliveries_one_by_one_in_the_order_of_take_due) {
+  const auto run = [](bool one_by_one) {
+    Fixture fixture{NetworkFaults{.reordering = 0.3}, 5};
+    const auto sender = fixture.join({});
+    fixture.join({"#"});
+    fixture.join({"a/#"});
+    std::vector<std::string> received;
+    for (int i = 0; i < 50; ++i) {
+      fixture.publish_text(sender, i % 3 == 0 ? "a/b" : "c", std::to_string(i), i % 2);
+      fixture.now += 1ms;
+      const auto record = [&](const Network::Delivery& d) { received.push_back(std::to_string(d.to) + d.payload); };
+      if (one_by_one) {
+        fixture.network.deliver_due(fixture.now, record);
+      } else {
+        std::vector<Network::Delivery> taken;
+        fixture.network.take_due(fixture.now, taken);
+        std::ranges::for_each(taken, record);
+      }
+    }
+    return received;
+  };
+  EXPECT_EQ(run(true), run(false));
+  EXPECT_GT(run(true).size(), 50U);
+}
+
+TEST(Network, delivers_what_is_published_during_a_delivery_at_the_next_call_even_without_delay) {
+  Fixture fixture{NetworkFaults{.delay_min = 0ms, .delay_max = 0ms}};
+  const auto sender = fixture.join({});
+  fixture.join({"#"});
+  fixture.publish_text(sender, "t", "first");
+  std::vector<std::string> received;
+  const auto respond = [&](Network::Delivery& delivery) {
+    received.push_back(delivery.payload);
+    // The receiver keeps the texts' memory, and the slots grow while it holds this delivery.
+    std::string taken;
+    std::swap(taken, delivery.payload);
+    if (taken == "first") {
+      for (int i = 0; i < 100; ++i) fixture.publish_text(sender, "t", "more");
+    }
+  };
+  fixture.network.deliver_due(fixture.now, respond);
+  EXPECT_THAT(received, ElementsAre("first"));
+  fixture.network.deliver_due(fixture.now, respond);
+  EXPECT_THAT(received, SizeIs(101));
+  EXPECT_EQ(fixture.network.next_due(), std::nullopt);
+}
+
+TEST(Network, a_partition_loses_messages_of_QoS_0_and_delays_the_others_in_order) {
+  Fixture fixture;
+  const auto server = fixture.join({"#"});
+  const auto vehicle = fixture.join({});
+  fixture.network.set_blocked(fixture.now, vehicle, {.to_broker = true, .from_broker = false});
+  fixture.publish_text(vehicle, "t", "lost");
+  fixture.publish_text(vehicle, "t", "first", 1);
+  fixture.publish_text(vehicle, "t", "second", 1);
+  fixture.pass(10s);
+  EXPECT_THAT(fixture.received_by(server), IsEmpty());
+  fixture.network.set_blocked(fixture.now, vehicle, {});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("first", "second"));
+}
+
+TEST(Network, a_partition_in_one_direction_leaves_the_other_one_open) {
+  Fixture fixture;
+  const auto server = fixture.join({"up"});
+  const auto vehicle = fixture.join({"down"});
+  fixture.network.set_blocked(fixture.now, vehicle, {.to_broker = false, .from_broker = true});
+  fixture.publish_text(server, "down", "lost");
+  fixture.publish_text(server, "down", "late", 1);
+  fixture.publish_text(vehicle, "up", "passes");
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.received_by(vehicle), IsEmpty());
+  EXPECT_THAT(fixture.received_by(server), ElementsAre("passes"));
+  fixture.network.set_blocked(fixture.now, vehicle, {});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("late"));
+}
+
+TEST(Network, a_broker_that_dies_forgets_retained_messages_and_publishes_no_will) {
+  Fixture fixture;
+  const auto vehicle = fixture.join({}, Will{{"will", "dead", 1, true}});
+  fixture.publish_text(vehicle, "map", "zone", 1, true);
+  fixture.network.stop(fixture.now);
+  EXPECT_EQ(fixture.network.in_transit(), 0U);
+  const auto later = fixture.join({"#"});
+  fixture.pass(1s);
+  EXPECT_THAT(fixture.received_by(later), IsEmpty());
+}
+
 }  // namespace
 }  // namespace cosiva::wire

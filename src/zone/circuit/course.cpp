@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::zone {
 
 bool Course::arrive(SectionId section, std::size_t within, std::size_t back) {
@@ -32,5 +34,7 @@ void Course::forget_traversed(std::size_t keep) {
   sections_.erase(sections_.begin(), sections_.begin() + static_cast<std::ptrdiff_t>(traversed));
   at_ = keep;
 }
+
+void Course::archive(Archive& archive) { archive(sections_, at_); }
 
 }  // namespace cosiva::zone

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/circuit.h"
 
@@ -81,6 +82,7 @@ class Course {
   [[nodiscard]] std::span<const SectionId> sections() const { return sections_; }
   /// Before the present section, in order of driving: the last is the one that led here.
   [[nodiscard]] std::span<const SectionId> traversed() const { return std::span{sections_}.first(at_); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<SectionId> sections_;

@@ -44,6 +44,8 @@ class Section {
   /// X_MP at arc length s ∈ [0, L] (clamped). Heading is that of increasing s, in (−π, π]. On an arc this is the
   /// article's equation (1), on straights along x and y its equations (2) and (3).
   [[nodiscard]] Pose2 pose_at(double s_m) const;
+  /// The position of pose_at(s), to the same bits, without computing the heading.
+  [[nodiscard]] Point2 point_at(double s_m) const;
   /// The heading of pose_at(s), to the same bits, without computing the position.
   [[nodiscard]] double heading_at(double s_m) const;
   [[nodiscard]] double curvature_at(double s_m) const;
@@ -132,11 +134,14 @@ inline double Section::heading_at(double s_m) const {
   return wrap_angle(start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s));
 }
 
-inline Pose2 Section::pose_at(double s_m) const {
+inline Point2 Section::point_at(double s_m) const {
   // Written so that a NaN, which no caller should pass, becomes 0 rather than an index.
-  const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
-  const Point2 p = position_at(s);
-  return {p.x_m, p.y_m, heading_at(s)};
+  return position_at(s_m > 0.0 ? std::min(s_m, length_m_) : 0.0);
+}
+
+inline Pose2 Section::pose_at(double s_m) const {
+  const Point2 p = point_at(s_m);
+  return {p.x_m, p.y_m, heading_at(s_m)};
 }
 
 }  // namespace cosiva::zone

@@ -447,5 +447,19 @@ TEST(Section, moves_a_vehicle_forward_only) {
   EXPECT_DEATH(static_cast<void>(section.nextAIVposition(0.5, -0.1)), "mDTCS_m >= 0.0 && DTT_m >= 0.0");
 }
 
+TEST(Section, point_and_heading_alone_are_those_of_the_pose_to_the_last_bit) {
+  for (const Section& section :
+       {make({1.0, 2.0, 2.5}, 4.0), make({1.0, 2.0, 2.5}, 4.0, -1.3), make({0.3, 0.1, -3.0}, 2.0, 0.7, -0.4)}) {
+    for (double s = -0.5; s < section.length_m() + 0.5; s += 0.013) {
+      const Pose2 pose = section.pose_at(s);
+      EXPECT_EQ(section.point_at(s), position(pose)) << s;
+      EXPECT_EQ(section.heading_at(s), pose.heading_rad) << s;
+    }
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Section bent = make({1.0, 2.0, 2.5}, 4.0, -1.3);
+  EXPECT_EQ(bent.point_at(nan), position(bent.pose_at(0.0)));
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -1,10 +1,34 @@
 #include "cosiva/zone/layout/circuit_factory.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/digest.h"
 
 namespace cosiva::zone {
+namespace {
+
+struct StoredConfigurations {
+  std::vector<ZoneConfiguration> all;
+};
+
+}  // namespace
+
+void archive_value(Archive& archive, ZoneConfiguration& configuration) {
+  std::vector<ZoneConfiguration>& all = archive.table<StoredConfigurations>().all;
+  auto index = static_cast<std::uint32_t>(std::ranges::find(all, configuration) - all.begin());
+  archive(index);
+  if (index > all.size()) archive.fail("a zone precedes its configuration");
+  if (archive.failed()) return;
+  if (index < all.size()) {
+    configuration = all[index];
+    return;
+  }
+  archive(configuration.format, configuration.origin, configuration.text, configuration.sidecar);
+  if (!archive.failed()) all.push_back(configuration);
+}
 
 Result<ZoneConfiguration> CircuitFactory::written(const TrafficZone&, std::vector<Diagnostic>&) const {
   return fail("zone.write", "zones are read from '" + std::string(format()) + "', but not written to it");

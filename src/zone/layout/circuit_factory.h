@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
@@ -20,6 +21,8 @@ struct ZoneConfiguration {
   std::string sidecar{};
   friend bool operator==(const ZoneConfiguration&, const ZoneConfiguration&) = default;
 };
+/// In a snapshot each configuration is stored once, however many parts refer to it.
+void archive_value(Archive& archive, ZoneConfiguration& configuration);
 
 /// Whether two configurations have the same content, regardless of their origin.
 [[nodiscard]] bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b);

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/opendrive/opendrive_factory.h"
 #include "cosiva/zone/toml/sidecar.h"
@@ -20,6 +21,11 @@ const std::array<const CircuitFactory*, 3>& factories() {
 }
 
 thread_local std::uint64_t initialised = 0;
+
+/// RTMs of an archive that is read.
+struct BuiltRtms {
+  std::vector<std::shared_ptr<const Rtm>> all;
+};
 
 std::string joined(const std::vector<std::string_view>& terms) {
   std::string text;
@@ -90,6 +96,30 @@ Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
   rtm.factory_ = *factory;
   rtm.zone_ = std::make_shared<const TrafficZone>(std::move(*zone));
   return rtm;
+}
+
+void archive_value(Archive& archive, std::shared_ptr<const Rtm>& rtm) {
+  std::optional<ZoneConfiguration> configuration;
+  if (rtm) configuration = rtm->configuration();
+  archive(configuration);
+  if (archive.reads() && !archive.failed()) rtm = configuration ? rtm_from(archive, *configuration) : nullptr;
+}
+
+std::shared_ptr<const Rtm> rtm_from(Archive& archive, const ZoneConfiguration& configuration) {
+  auto& all = archive.table<BuiltRtms>().all;
+  for (const std::shared_ptr<const Rtm>& rtm : all)
+    if (rtm->configuration() == configuration) return rtm;
+  auto built = Rtm::initialise(configuration);
+  if (!built) {
+    archive.fail("a zone cannot be built: " + to_string(built.error()));
+    return nullptr;
+  }
+  all.push_back(std::make_shared<const Rtm>(std::move(*built)));
+  return all.back();
+}
+
+void provide_rtm(Archive& archive, const std::shared_ptr<const Rtm>& rtm) {
+  if (rtm) archive.table<BuiltRtms>().all.push_back(rtm);
 }
 
 }  // namespace cosiva::zone

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/circuit_factory.h"
@@ -54,5 +55,14 @@ class Rtm {
   const CircuitFactory* factory_{};
   std::shared_ptr<const TrafficZone> zone_;
 };
+
+/// In a snapshot an RTM is its configuration, of which it is built again; null is stored as null.
+void archive_value(Archive& archive, std::shared_ptr<const Rtm>& rtm);
+/// The RTM of a configuration that was read from the archive: one for equal configurations. Null, and a failure of the
+/// archive, where it cannot be built.
+[[nodiscard]] std::shared_ptr<const Rtm> rtm_from(Archive& archive, const ZoneConfiguration& configuration);
+/// Such RTMs may be this one, so that it is not built again.
+/// @param rtm  null: none
+void provide_rtm(Archive& archive, const std::shared_ptr<const Rtm>& rtm);
 
 }  // namespace cosiva::zone

@@ -2,9 +2,20 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::zone {
+
+void RtmBuilder::take(const ZoneConfiguration& configuration, const Result<std::shared_ptr<const Rtm>>& built) {
+  if (!built) {
+    refused_ = Refused{configuration, built.error()};
+    return;
+  }
+  COSIVA_EXPECT(*built != nullptr && (*built)->configuration() == configuration);
+  refused_.reset();
+  built_ = *built;
+}
 
 Result<std::shared_ptr<const Rtm>> RtmBuilder::build(const ZoneConfiguration& configuration) {
   if (built_ && built_->configuration() == configuration) return built_;
@@ -19,5 +30,7 @@ Result<std::shared_ptr<const Rtm>> RtmBuilder::build(const ZoneConfiguration& co
   COSIVA_EXPECT(built_->configuration() == configuration);
   return built_;
 }
+
+void RtmBuilder::archive(Archive& archive) { archive(built_, refused_); }
 
 }  // namespace cosiva::zone

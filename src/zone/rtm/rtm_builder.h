@@ -18,9 +18,14 @@ class RtmBuilder {
   /// @param built  built before this core began; may be null
   explicit RtmBuilder(std::shared_ptr<const Rtm> built) : built_{std::move(built)} {}
 
+  /// Takes what was built elsewhere, on another thread perhaps: build() returns it for an equal configuration.
+  /// @param built  of this configuration (checked), not null
+  void take(const ZoneConfiguration& configuration, const Result<std::shared_ptr<const Rtm>>& built);
   /// The RTM of the configuration, never null, or the factory's error. The last result is returned again for an equal
   /// configuration.
   [[nodiscard]] Result<std::shared_ptr<const Rtm>> build(const ZoneConfiguration& configuration);
+
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Refused {

@@ -48,6 +48,19 @@ TEST(RtmBuilder, takes_an_rtm_that_was_built_before) {
   EXPECT_EQ(Rtm::initialised_count(), before);
 }
 
+TEST(RtmBuilder, takes_what_another_thread_has_built) {
+  RtmBuilder builder;
+  const ZoneConfiguration good = configuration_file("lacet4.toml");
+  const auto rtm = std::make_shared<const Rtm>(*Rtm::initialise(good));
+  const ZoneConfiguration bad{"toml", "bad.toml", "name = 7"};
+  const std::uint64_t before = Rtm::initialised_count();
+  builder.take(good, rtm);
+  builder.take(bad, fail("zone.key", "no circuit", "bad.toml"));
+  EXPECT_EQ(builder.build(good).value(), rtm);
+  EXPECT_EQ(builder.build(bad).error().message, "no circuit");
+  EXPECT_EQ(Rtm::initialised_count(), before);
+}
+
 TEST(RtmBuilder, forgets_an_error_once_another_configuration_was_built) {
   RtmBuilder builder;
   const ZoneConfiguration bad{"toml", "bad.toml", "name = 7"};

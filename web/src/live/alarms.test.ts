@@ -29,6 +29,37 @@ describe('abnormal conditions', () => {
   });
 });
 
+describe('alarms of the platform', () => {
+  const part = { name: 'gvs', state: 'failing', restarts: 12, last_error: 'exit 3' } as const;
+
+  it('name a part that does not stay up, until it does', () => {
+    const book = new AlarmBook();
+    expect(alarms_after(book, [], { parts: [part] })).toMatchObject([{ name: 'Platform', vehicle: null, text: 'gvs does not stay up (exit 3); started again 12 times', ended_ms: null }]);
+    expect(alarms_after(book, [], { parts: [{ ...part, restarts: 13 }] })).toMatchObject([{ text: 'gvs does not stay up (exit 3); started again 13 times', ended_ms: null }]);
+    expect(alarms_after(book, [], { parts: [{ ...part, restarts: 13, state: 'running' }], time_ms: 15_000 })).toMatchObject([{ ended_ms: 15_000 }]);
+  });
+
+  it('name a part that hung and was started again, once', () => {
+    const book = new AlarmBook();
+    const hung = { name: 'plant', state: 'running', restarts: 1, last_error: 'no response; killed (signal 9)' } as const;
+    expect(alarms_after(book, [], { parts: [hung] })).toMatchObject([{ text: 'plant was started again: no response; killed (signal 9)', ended_ms: 10_000 }]);
+    book.acknowledge('*');
+    expect(alarms_after(book, [], { parts: [hung] })).toEqual([]);
+    expect(alarms_after(book, [], { parts: [{ ...hung, restarts: 2 }] })).toMatchObject([{ text: 'plant was started again, 2 times so far: no response; killed (signal 9)' }]);
+  });
+
+  it('name a registry that refuses vehicles', () => {
+    const book = new AlarmBook();
+    const registry = { vehicles: 2_000, max: 2_000, refused: 7, full: true };
+    expect(alarms_after(book, [], { registry })).toMatchObject([{ name: 'Platform', text: 'The server has its limit of 2000 vehicles; further ones are refused', ended_ms: null }]);
+    expect(alarms_after(book, [], { registry: { ...registry, full: false } })).toMatchObject([{ ended_ms: 10_000 }]);
+  });
+
+  it('exclude parts that run', () => {
+    expect(alarms_after(new AlarmBook(), [], { parts: [{ ...part, state: 'running', restarts: 0, last_error: null }], registry: { vehicles: 4, max: 2_000, refused: 0, full: false } })).toEqual([]);
+  });
+});
+
 describe('the alarm list', () => {
   it('keeps one entry while a condition lasts, whatever its values', () => {
     const book = new AlarmBook();

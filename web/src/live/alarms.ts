@@ -1,6 +1,7 @@
 // Alarms: abnormal conditions in the server's snapshots, each stored until the operator acknowledges it.
 import type { Aiv, Deadlock, Snapshot } from './contract';
 import * as format from './format';
+import { failing_parts, failing_words, restarted_words } from './parts';
 
 export interface AlarmCause {
   /** identifies the condition; the same while it lasts, whatever values its text shows */
@@ -48,6 +49,13 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   return causes;
 }
 
+/** Abnormal conditions of the platform itself. */
+export function platform_causes({ registry, parts }: Snapshot): AlarmCause[] {
+  const causes = failing_parts(parts).map((part) => ({ code: `part ${part.name} failing`, text: failing_words(part) }));
+  if (registry?.full) causes.push({ code: 'registry full', text: `The server has its limit of ${registry.max} vehicles; further ones are refused` });
+  return causes;
+}
+
 const ended_max = 200;
 /** A deadlock that ended longer ago than this, before the page was opened, raises no alarm. */
 const deadlock_news_ms = 60_000;
@@ -91,6 +99,16 @@ export class AlarmBook {
       const cause = { code: `deadlock ${deadlock.number}`, text: deadlock_words(deadlock) };
       if (deadlock.state === 'confirmed' || deadlock.state === 'yielding' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
       else if (deadlock.state === 'resolved') changed = this.end_deadlock(deadlock, cause, now) || changed;
+    }
+    for (const cause of platform_causes(snapshot)) see(null, 'Platform', cause);
+    for (const part of snapshot.parts ?? []) {
+      // A restart is an event; a part that keeps failing is a condition, above.
+      if (part.restarts <= (this.restarts.get(part.name) ?? 0)) continue;
+      this.restarts.set(part.name, part.restarts);
+      if (part.state === 'failing') continue;
+      const key = `|part ${part.name} restarted`;
+      this.book.set(key, { key, code: `part ${part.name} restarted`, text: restarted_words(part), vehicle: null, name: 'Platform', since_ms: now, ended_ms: now, acknowledged: false });
+      changed = true;
     }
     for (const change of snapshot.battery?.changes ?? []) {
       const why = change.reason ? `: ${change.reason}` : '';
@@ -144,6 +162,8 @@ export class AlarmBook {
   }
 
   private readonly failed = new Set<string>();
+  /** known restarts, by part */
+  private readonly restarts = new Map<string, number>();
 
   /** Records the end of a deadlock, also of one that began and ended between two snapshots; its alarm stays until acknowledged. */
   private end_deadlock(deadlock: Deadlock, cause: AlarmCause, now: number): boolean {

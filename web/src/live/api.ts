@@ -1,6 +1,7 @@
 // The HTTP calls of docs/protocols/hmi-api.md. Each returns the server's response or an error message for the operator;
 // no call throws.
 import type { CommandName, Point, Repeat, Run, Traces, WholeTrace, ZoneEdit } from './contract';
+import type { StopResponse } from './stops';
 
 export type ApiResponse<T> = { ok: true; value: T } | { ok: false; status: number; sentence: string };
 
@@ -37,7 +38,8 @@ const id_of = (id: string) => encodeURIComponent(id);
 
 export const api = {
   command: (command: CommandName, vehicles: '*' | readonly string[]) =>
-    call<{ id: string }>('POST', 'commands', vehicles === '*' ? { command, vehicle: '*' } : vehicles.length === 1 ? { command, vehicle: vehicles[0] } : { command, vehicles }),
+    call<{ id: string } | StopResponse>('POST', 'commands', vehicles === '*' ? { command, vehicle: '*' } : vehicles.length === 1 ? { command, vehicle: vehicles[0] } : { command, vehicles }),
+  stop: (id: string) => call<StopResponse>('GET', `commands/${id_of(id)}`),
   go: (vehicle: string, to: string) => call<{ id: string }>('POST', 'commands', { command: 'go', vehicle, to }),
   circulate: (vehicle: string, loop: string | null) => call<{ id: string }>('POST', 'commands', { command: 'circulate', vehicle, ...(loop === null ? {} : { loop }) }),
   close_section: (section: string, closed: boolean) => call<{ id: string }>('POST', 'commands', { command: closed ? 'close' : 'open', section }),

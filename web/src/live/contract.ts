@@ -99,6 +99,8 @@ export interface Aiv extends Pose {
   /** the virtual object that the vehicle brakes for */
   brakingFor: string | null;
   errors: readonly string[];
+  /** messages that exceeded the vehicle's rate and were not evaluated */
+  dropped?: number;
   /** the path reserved by the vehicle's base; no other vehicle may enter it */
   reserved: readonly Point[];
   /** absent if the vehicle does not report its boards */
@@ -316,6 +318,25 @@ export interface GvsDetection extends Pose {
   gap_rad: number | null;
 }
 
+/** A program that `cosiva up` has started. */
+export interface Part {
+  name: string;
+  state: 'running' | 'restarting' | 'failing' | 'ended';
+  restarts: number;
+  /** how it ended the last time; null if it never did */
+  last_error: string | null;
+}
+
+/** Vehicles that the server knows. */
+export interface Registry {
+  vehicles: number;
+  max: number;
+  /** messages of vehicles beyond the limit */
+  refused: number;
+  /** such a message arrived in the last minute */
+  full: boolean;
+}
+
 export interface Snapshot {
   time: string;
   /** server time, Unix milliseconds */
@@ -335,6 +356,10 @@ export interface Snapshot {
   battery?: Battery | null;
   /** null or absent if no camera has reported */
   gvs?: Gvs | null;
+  /** absent from servers that do not state it */
+  registry?: Registry;
+  /** absent where no `cosiva up` has started the server */
+  parts?: readonly Part[];
 }
 
 export interface Run {

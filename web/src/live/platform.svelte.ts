@@ -8,9 +8,12 @@ import { Positions } from './positions';
 import { rows_of, type Row } from './rows';
 import { FleetHistory, History } from './history';
 import { link_after, type Link } from './link_state';
+import { updated, type Stop, type StopResponse } from './stops';
 
 const tick_ms = 250;
 const commands_max = 400;
+/** How often a Stop that is not durable, or not confirmed, is queried. */
+const stop_period_ms = 250;
 /** How long a notice stays; a refusal stays longer, to be read [ms]. */
 const notice_ms = { refusal: 20_000, news: 8_000 } as const;
 const settling_ms = 5_000;
@@ -44,6 +47,8 @@ export class Platform {
   plant_obstacles = $state.raw<GroundTruth['obstacles']>([]);
   /** newest first; includes commands that have left the snapshot */
   commands = $state.raw<readonly Command[]>([]);
+  /** Stops of this page that are not durable, or not confirmed */
+  stops = $state.raw<readonly Stop[]>([]);
   bijection = $state.raw<Bijection | null>(null);
   crossings = $state.raw<readonly Crossing[]>([]);
   alarms = $state.raw<readonly Alarm[]>([]);
@@ -159,7 +164,20 @@ export class Platform {
     const vehicles = typeof vehicle === 'string' && vehicle !== '*' ? [vehicle] : (vehicle as '*' | readonly string[]);
     if (vehicles.length === 0) return this.report('Select an AIV first, or choose several.', 'news');
     const whom = vehicles === '*' ? 'all AIVs' : vehicles.length === 1 ? short(vehicles[0]!) : `${vehicles.length} AIVs`;
-    await this.request(`${title(command)} ${whom}`, api.command(command, vehicles));
+    const sent_ms = performance.now();
+    const response = await this.request(`${title(command)} ${whom}`, api.command(command, vehicles));
+    if (command === 'stop' && response) await this.follow_stop({ durable: true, ...response, sent_ms });
+  }
+
+  /** Queries a Stop until it is durable and confirmed, or the server does not know it any more. */
+  private async follow_stop(stop: Stop): Promise<void> {
+    this.stops = updated(this.stops, stop);
+    while (this.stops.some(({ id }) => id === stop.id)) {
+      await new Promise((resolve) => setTimeout(resolve, stop_period_ms));
+      const got: ApiResponse<StopResponse> = await api.stop(stop.id);
+      if (got.ok) this.stops = updated(this.stops, { ...got.value, sent_ms: stop.sent_ms });
+      else if (got.status !== 0) this.stops = this.stops.filter(({ id }) => id !== stop.id);
+    }
   }
 
   async go(vehicle: string, to: string): Promise<void> {

@@ -53,7 +53,7 @@ class Fixture {
     while (!runs_.done() && world_->now() < end) {
       LiveRuns::Responses responses = runs_.tick(world_->now());
       for (const wire::Publish& message : responses.messages)
-        if (!random_.chance(loss_)) world_->publish(message);
+        if (!random_.chance(loss_)) world_->faults().publish_from_outside(message);
       for (std::string& command : responses.commands) world_->command_server(std::move(command));
       for (std::string& one : responses.operator_messages) operator_messages += one + "\n";
       world_->run_for(milliseconds{5});

@@ -80,5 +80,12 @@ TEST(AsValues, another_seed_gives_another_run) {
   EXPECT_NE(run(7).second, run(8).second);
 }
 
+TEST(PassesValues, is_false_for_one_seed_in_ten) {
+  std::size_t with_texts = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) with_texts += passes_values(seed) ? 0U : 1U;
+  EXPECT_EQ(with_texts, 10U);
+  EXPECT_TRUE(passes_values(1)) << "the default";
+}
+
 }  // namespace
 }  // namespace cosiva::experiments

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cosiva/base/json_value.h"
+#include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/test_world.h"
 #include "cosiva/wire/own/v2x.h"
 
@@ -103,12 +104,12 @@ TEST(V2x, continues_without_the_server_and_needs_no_broker_to_be_safe) {
   EXPECT_GT(v2x_run.published, before + 8 * 5) << "stopped vehicles still send their position";
   for (std::uint32_t number = 1; number <= 8; ++number) {
     const std::string radio = R"({"vehicle":"CoSiVA/AIV)" + std::to_string(number) + R"(","loss":1})";
-    world->publish({std::string(wire::plant_radio_topic), radio, 1, false});
+    world->faults().publish_from_outside({std::string(wire::plant_radio_topic), radio, 1, false});
   }
   world->start_server();
   world->run_for(10s);
   expect_no_contact(*world, "without a radio");
-  world->publish({std::string(wire::plant_radio_topic), R"({"vehicle":"*","loss":0})", 1, false});
+  world->faults().publish_from_outside({std::string(wire::plant_radio_topic), R"({"vehicle":"*","loss":0})", 1, false});
   const double before_m = total_distance_m(*world);
   world->run_for(60s);
   EXPECT_GT(total_distance_m(*world), before_m + 10.0);
@@ -131,10 +132,10 @@ TEST(V2x, of_a_liar_endangers_no_vehicle_and_stops_none_for_good) {
       lie.speed_mps = i % 2 == 0 ? 0.5 : -0.5;
       lie.priority = 999;
       for (const char* name : {"X1", "X2", "X3", "X4"}) lie.crossings.push_back({name, 0.0, 1.0, 0.0, 3600.0, true});
-      world->publish(
+      world->faults().publish_from_outside(
           {wire::v2x_topic("lacet4", wire::cell_of(position(lie.pose)), lie.vehicle), to_json(lie), 0, false});
     }
-    world->publish({"cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV3", "{\"headerId\":NaN", 0, false});
+    world->faults().publish_from_outside({"cosiva/v1/v2x/lacet4/0_0/CoSiVA/AIV3", "{\"headerId\":NaN", 0, false});
     world->run_for(100ms);
   }
   expect_no_contact(*world, "with false messages");

@@ -8,6 +8,8 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/experiments/runs/scenario/scenario_player.h"
+#include "cosiva/experiments/runs/world/core_store.h"
+#include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/fleet.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/wire/messages/board.h"
@@ -46,6 +48,25 @@ std::uint32_t vehicle_of(std::string_view port) {
 
 }  // namespace
 
+/// The clock of a process: set once, at the start of the process.
+struct ProcessClock {
+  SimDuration next_offset{};  ///< of the next process
+  double next_fast_ppm{0.0};
+  SimDuration offset{};
+  double fast_ppm{0.0};
+  SimTime started{};
+
+  void start(SimTime now) {
+    started = now;
+    offset = next_offset;
+    fast_ppm = next_fast_ppm;
+  }
+  [[nodiscard]] SimTime read(SimTime now) const {
+    const auto since = static_cast<double>((now - started).count());
+    return now + offset + SimDuration{static_cast<SimDuration::rep>(since * fast_ppm * 1e-6)};
+  }
+};
+
 /// One core, with its network client and its timer.
 struct Actor {
   std::string name;
@@ -58,7 +79,33 @@ struct Actor {
   std::string persisted;
   double radio_loss{0.0};  ///< of the ether around the vehicle, whichever process is running
   bool alive{false};
+  bool linked{false};
+  std::vector<std::string> listens;
+  std::vector<wire::Publish> unsent;             ///< QoS 1, while there is no link
+  std::optional<std::uint64_t> effects_to_live;  ///< of the present process
+  /// Commands that an earlier process accepted and that the core was not given yet, and behind them those accepted
+  /// since; of the server only.
+  std::deque<std::pair<std::string, CoreStore::Decided>> earlier_commands;
+  ProcessClock clock;
 };
+
+namespace {
+
+/// A core that starts later joins the common cycle.
+SimTime first_tick(const Actor& actor, SimTime now, bool common_cycle) {
+  const SimDuration period = actor.core->tick_period();
+  const SimDuration since = common_cycle ? (now - virtual_epoch) % period : SimDuration::zero();
+  return now - since + period + actor.tick_offset;
+}
+
+void publish_from(Actor& actor, SimTime now, wire::Network& network, const wire::Publish& message) {
+  if (actor.linked)
+    network.publish(now, actor.client, message);
+  else if (message.qos > 0)
+    actor.unsent.push_back(message);
+}
+
+}  // namespace
 
 struct World::Impl {
   using ActorId = std::size_t;
@@ -79,6 +126,7 @@ struct World::Impl {
     std::uint32_t generation;
     std::string port;
     std::string bytes;
+    std::shared_ptr<const wire::InProcessMessage> typed;
   };
 
   WorldOptions options;
@@ -89,42 +137,102 @@ struct World::Impl {
   std::vector<std::string> section_names;
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
   std::deque<Bytes> streams;  ///< the delay is constant, so the order is first in, first out
-  std::vector<wire::Network::Delivery> due;
-  wire::Network::ClientId unknown_sender{};
+  struct Delivering {
+    std::vector<std::optional<ActorId>> receivers;  ///< by the client of the network; none: outside the platform
+    wire::Input input;                              ///< reused, so that a delivery allocates nothing
+  };
+  Delivering delivering;
   std::uint64_t sequence{0};
   Digest finished;  ///< of cores that were killed
-  World::Tap tap;
+  /// Called by the run; each may be empty.
+  struct Handlers {
+    World::Tap published;
+    World::OnStep step;
+    World::ServerObserver server;
+  };
+  Handlers handlers;
   std::vector<std::string> log;
   std::optional<ScenarioPlayer> player;
   std::optional<SimTime> scenario_began;
   bool fleet_whole{false};  ///< since the server came up
   SimTime next_check{};     ///< next check of the fleet, or the next step
-  World::OnStep on_step;
 
-  explicit Impl(WorldOptions o) : options{std::move(o)}, network{options.seed, options.network} {}
+  class Faults;
+  std::unique_ptr<Faults> faults;
+
+  explicit Impl(WorldOptions o);
 
   void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false,
             std::shared_ptr<const wire::InProcessMessage> typed = {}) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
-    const wire::Input input{now, kind, std::move(source), std::move(payload), flag, std::move(typed)};
-    act(id, actor.runner->feed(input));
+    handle(id, {actor.clock.read(now), kind, std::move(source), std::move(payload), flag, std::move(typed)});
   }
+
+  /// An input without texts, in the reused record.
+  void feed_again(ActorId id, wire::InputKind kind, std::shared_ptr<const wire::InProcessMessage> typed) {
+    const Actor& actor = actors[id];
+    if (!actor.alive) return;
+    delivering.input.at = actor.clock.read(now);
+    delivering.input.kind = kind;
+    delivering.input.source.clear();
+    delivering.input.payload.clear();
+    delivering.input.flag = false;
+    delivering.input.typed = std::move(typed);
+    handle(id, delivering.input);
+    delivering.input.typed.reset();
+  }
+
+  void handle(ActorId id, const wire::Input& input) {
+    if (id != plant_id && observer().on_input) observer().on_input(process_of(id), input);
+    const wire::Effects& effects = actors[id].runner->feed(input);
+    if (id == server_id && handlers.server) handlers.server(input, effects);
+    act(id, effects);
+    if (id == server_id) give_earlier_commands();
+  }
+
+  void give_earlier_commands() {
+    Actor& actor = actors[server_id];
+    if (actor.earlier_commands.empty() || !actor.alive || !actor.core->takes_earlier_commands()) return;
+    for (auto& [json, decided] : std::exchange(actor.earlier_commands, {})) give_stored(json, decided);
+  }
+
+  /// Gives the server a command whose record is durable.
+  void give_stored(const std::string& json, const CoreStore::Decided& decided) {
+    if (!actors[server_id].alive) return;
+    feed(server_id, wire::InputKind::command, "http", json, true);
+    if (actors[server_id].alive && decided) decided({});
+  }
+
+  [[nodiscard]] static Process process_of(ActorId id) { return static_cast<Process>(id - server_id); }
+  [[nodiscard]] const FaultInjection::Observer& observer() const;
+  [[nodiscard]] bool broker_running() const;
 
   void act(ActorId id, const wire::Effects& effects) {
     for (const wire::Effect& effect : effects) {
+      Actor& actor = actors[id];
+      if (actor.effects_to_live && --*actor.effects_to_live == 0) {
+        kill(id);
+        return;
+      }
+      if (id != plant_id && observer().on_effect) observer().on_effect(process_of(id), effect);
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
-        if (tap) tap(now, actors[id].name, *publish);
+        if (handlers.published) handlers.published(now, actor.name, *publish);
         if (publish->topic == wire::plant_radio_topic) change_ether(publish->payload);
-        network.publish(now, actors[id].client, *publish);
+        if (id == plant_id || !observer().passes || observer().passes(process_of(id), *publish))
+          publish_from(actor, now, network, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
         send_bytes(id, *send);
       } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
-        network.listen(now, actors[id].client, listen->filters);
+        actor.listens = listen->filters;
+        if (actor.linked) network.listen(now, actor.client, listen->filters);
       } else if (const auto* persist = std::get_if<wire::Persist>(&effect)) {
-        actors[id].persisted = persist->bytes;
+        actor.persisted = persist->bytes;
+        if (id == server_id && options.server_store)
+          options.server_store->append(now,
+                                       {actor.clock.read(now), wire::InputKind::persisted, {}, persist->bytes, false});
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
-        if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actors[id].name + " " + line->text);
+        if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actor.name + " " + line->text);
       }
     }
   }
@@ -136,35 +244,55 @@ struct World::Impl {
       Actor& actor = actors[id];
       if (radio->vehicle != "*" && radio->vehicle != std::string(wire::our_manufacturer) + "/" + actor.name) continue;
       actor.radio_loss = radio->loss;
-      if (actor.alive) network.set_loss(actor.client, radio->loss);
+      if (actor.linked) network.set_loss(actor.client, radio->loss);
     }
   }
 
   void send_bytes(ActorId from, const wire::SendBytes& send) {
     const ActorId to = from == plant_id ? first_aiv_id + vehicle_of(send.port) - 1 : plant_id;
     if (to >= actors.size() || !actors[to].alive) return;
-    streams.push_back({now + stream_delay, to, actors[to].generation, send.port, send.bytes});
+    Bytes& bytes = streams.emplace_back(Bytes{now + stream_delay, to, actors[to].generation, {}, {}, send.typed});
+    if (send.typed) return;  // the frames identify their vehicle
+    bytes.port = send.port;
+    bytes.bytes = send.bytes;
   }
 
   void start(ActorId id, std::unique_ptr<wire::Core> core, std::string what, std::string configuration) {
     Actor& actor = actors[id];
     actor.core = std::move(core);
-    actor.runner = std::make_unique<wire::CoreRunner>(*actor.core);
+    actor.runner = std::make_unique<wire::CoreRunner>(*actor.core, recorder(id));
     actor.alive = true;
     ++actor.generation;
+    actor.clock.start(now);
+    actor.listens.clear();
+    actor.unsent.clear();
+    CoreStore::Left left;
+    if (id == server_id && options.server_store)
+      left = options.server_store->left();
+    else if (!actor.persisted.empty())
+      left.persisted = actor.persisted;
     feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
-    if (!actor.persisted.empty()) feed(id, wire::InputKind::restore, "state", actor.persisted);
-    ticks.push({first_tick(actor), sequence++, id, actor.generation});
-    actor.client = network.connect(now, actor.core->subscriptions(), actor.core->will());
-    network.set_loss(actor.client, actor.radio_loss);
-    feed(id, wire::InputKind::link, "broker", "up");
+    if (left.persisted) feed(id, wire::InputKind::restore, "state", std::move(*left.persisted));
+    for (wire::Input& command : left.accepted) actor.earlier_commands.emplace_back(std::move(command.payload), nullptr);
+    if (id == server_id) give_earlier_commands();
+    ticks.push({first_tick(actor, now, options.cycle.has_value()), sequence++, id, actor.generation});
+    link(id);
   }
 
-  /// A core that starts later joins the common cycle.
-  [[nodiscard]] SimTime first_tick(const Actor& actor) const {
-    const SimDuration period = actor.core->tick_period();
-    const SimDuration since = options.cycle ? (now - virtual_epoch) % period : SimDuration::zero();
-    return now - since + period + actor.tick_offset;
+  [[nodiscard]] wire::CoreRunner::Recorder recorder(ActorId id) {
+    if (id != server_id || !options.server_store) return {};
+    return [this](const wire::Input& input) { options.server_store->append(now, input); };
+  }
+
+  void link(ActorId id) {
+    Actor& actor = actors[id];
+    if (!actor.alive || !broker_running() || actor.linked) return;
+    actor.client = connect(id, actor.core->subscriptions(), actor.core->will());
+    actor.linked = true;
+    network.set_loss(actor.client, actor.radio_loss);
+    if (!actor.listens.empty()) network.listen(now, actor.client, actor.listens);
+    for (const wire::Publish& message : std::exchange(actor.unsent, {})) network.publish(now, actor.client, message);
+    feed(id, wire::InputKind::link, "broker", "up");
   }
 
   void kill(ActorId id) {
@@ -176,9 +304,13 @@ struct World::Impl {
       if (!persisted.empty()) actor.persisted = std::move(persisted);
     }
     actor.alive = false;
+    actor.effects_to_live.reset();
     finished.add(actor.runner->digest().value());
-    network.break_connection(now, actor.client);
+    if (std::exchange(actor.linked, false)) network.break_connection(now, actor.client);
+    actor.earlier_commands.clear();
+    if (id == server_id && options.server_store) options.server_store->on_killed();
     if (id >= first_aiv_id) notify_ports(id, plant_id, "down");
+    if (observer().on_killed) observer().on_killed(process_of(id));
   }
 
   /// Informs `to` that the byte streams of an AIV's boards appeared or disappeared.
@@ -223,6 +355,9 @@ struct World::Impl {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
     if (!streams.empty()) next = std::min(next, streams.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
+    if (options.server_store) {
+      if (const auto due_at = options.server_store->next_due()) next = std::min(next, std::max(now, *due_at));
+    }
     if (player && !player->done() && actors[server_id].alive) next = std::min(next, next_check);
     return next;
   }
@@ -236,7 +371,7 @@ struct World::Impl {
     }
     if (!scenario_began) player->begin(*(scenario_began = now));
     for (const Scenario::Step& due_step : player->due(now)) {
-      if (on_step) on_step(now, due_step);
+      if (handlers.step) handlers.step(now, due_step);
       feed(server_id, wire::InputKind::command, "scenario", due_step.command);
     }
     next_check = player->next_due().value_or(SimTime::max());
@@ -249,41 +384,153 @@ struct World::Impl {
   void step() {
     // One instant at a time, in a fixed order: bytes, messages, the scenario, ticks.
     while (!streams.empty() && streams.front().at <= now) {
-      Bytes bytes = std::move(streams.front());
-      streams.pop_front();
+      Bytes& bytes = streams.front();  // stays where it is while others are added
       if (actors[bytes.to].generation == bytes.generation) {
-        feed(bytes.to, wire::InputKind::bytes, std::move(bytes.port), std::move(bytes.bytes));
+        if (bytes.typed)
+          feed_again(bytes.to, wire::InputKind::bytes, std::move(bytes.typed));
+        else
+          feed(bytes.to, wire::InputKind::bytes, std::move(bytes.port), std::move(bytes.bytes));
       }
+      streams.pop_front();
     }
-    due.clear();
-    network.take_due(now, due);
-    for (auto& delivery : due) deliver(std::move(delivery));
+    network.deliver_due(now, [this](wire::Network::Delivery& delivery) { deliver(delivery); });
+    if (options.server_store) {
+      if (const auto due_at = options.server_store->next_due(); due_at && *due_at <= now)
+        options.server_store->work(now);
+    }
     play();
     while (!ticks.empty() && ticks.top().at <= now) {
       const Tick tick = ticks.top();
       ticks.pop();
       const Actor& actor = actors[tick.actor];
       if (!actor.alive || actor.generation != tick.generation) continue;
-      feed(tick.actor, wire::InputKind::tick, {}, {});
+      feed_again(tick.actor, wire::InputKind::tick, {});
       ticks.push({tick.at + actor.core->tick_period(), sequence++, tick.actor, tick.generation});
     }
   }
 
-  void deliver(wire::Network::Delivery delivery) {
-    for (ActorId id = 0; id < actors.size(); ++id) {
-      if (actors[id].alive && actors[id].client == delivery.to) {
-        act(id, actors[id].runner->feed({now, wire::InputKind::message, std::move(delivery.topic),
-                                         std::move(delivery.payload), delivery.retained, std::move(delivery.typed)}));
-        return;
-      }
-    }
+  void deliver(wire::Network::Delivery& delivery) {
+    const auto receiver = delivering.receivers[delivery.to];
+    if (!receiver) return;
+    const Actor& actor = actors[*receiver];
+    if (!actor.alive || !actor.linked || actor.client != delivery.to) return;
+    delivering.input.at = actor.clock.read(now);
+    delivering.input.kind = wire::InputKind::message;
+    std::swap(delivering.input.source, delivery.topic);
+    std::swap(delivering.input.payload, delivery.payload);
+    delivering.input.flag = delivery.retained;
+    delivering.input.typed = std::move(delivery.typed);
+    handle(*receiver, delivering.input);
+    delivering.input.typed.reset();
+  }
+
+  [[nodiscard]] wire::Network::ClientId connect(std::optional<ActorId> receiver, std::vector<std::string> filters,
+                                                std::optional<wire::Will> will) {
+    const auto client = network.connect(now, std::move(filters), std::move(will));
+    COSIVA_EXPECT(client == delivering.receivers.size());
+    delivering.receivers.push_back(receiver);
+    return client;
   }
 };
+
+/// Invariant: a process that is linked is running.
+class World::Impl::Faults final : public FaultInjection {
+ public:
+  explicit Faults(Impl& world) : world_{world} {}
+
+  [[nodiscard]] const Observer& observer() const { return observer_; }
+  void connect_unknown_sender() { unknown_sender_ = world_.connect(std::nullopt, {}, std::nullopt); }
+
+  bool running(Process process) const override { return actor(process).alive; }
+  bool linked(Process process) const override { return actor(process).linked; }
+  void kill_at_effect(Process process, std::uint64_t n) override {
+    COSIVA_EXPECT(actor(process).alive);
+    actor(process).effects_to_live = n > 0 ? std::optional{n} : std::nullopt;
+  }
+  void break_link(Process process) override {
+    if (!std::exchange(actor(process).linked, false)) return;
+    world_.network.break_connection(world_.now, actor(process).client);
+    world_.feed(server_id + process, wire::InputKind::link, "broker", "down");
+  }
+  void restore_link(Process process) override { world_.link(server_id + process); }
+  void block(Process process, wire::Network::Blocked blocked) override {
+    if (actor(process).linked) world_.network.set_blocked(world_.now, actor(process).client, blocked);
+  }
+  void set_network(wire::NetworkFaults injected) override {
+    injected.aside_prefix = world_.options.network.aside_prefix;
+    world_.network.set_faults(std::move(injected));
+  }
+  void stop_broker() override {
+    broker_running_ = false;
+    world_.network.stop(world_.now);
+    for (ActorId id = 0; id < world_.actors.size(); ++id)
+      if (std::exchange(world_.actors[id].linked, false)) world_.feed(id, wire::InputKind::link, "broker", "down");
+  }
+  void start_broker() override {
+    broker_running_ = true;
+    connect_unknown_sender();
+    world_.link(plant_id);
+  }
+  bool broker_running() const override { return broker_running_; }
+  void set_clock(Process process, SimDuration offset, double drift_ppm) override {
+    actor(process).clock.next_offset = offset;
+    actor(process).clock.next_fast_ppm = drift_ppm;
+  }
+  void publish_from_outside(const wire::Publish& message) override {
+    if (message.topic == wire::plant_radio_topic) world_.change_ether(message.payload);
+    world_.network.publish(world_.now, unknown_sender_, message);
+  }
+  void publish_from(Process process, const wire::Publish& message) override {
+    if (actor(process).linked) world_.network.publish(world_.now, actor(process).client, message);
+  }
+  void command(std::string json, std::function<void(const Result<void>&)> decided) override;
+  void observe(Observer observer) override { observer_ = std::move(observer); }
+
+ private:
+  [[nodiscard]] Actor& actor(Process process) const {
+    COSIVA_EXPECT(server_id + process < world_.actors.size());
+    return world_.actors[server_id + process];
+  }
+
+  Impl& world_;
+  bool broker_running_{true};
+  Observer observer_;
+  wire::Network::ClientId unknown_sender_{};
+};
+
+void World::Impl::Faults::command(std::string json, std::function<void(const Result<void>&)> decided) {
+  Actor& server = actor(server_process);
+  CoreStore* const store = world_.options.server_store.get();
+  if (!server.alive) return;
+  if (store == nullptr || virtual_side::is_stop(virtual_side::DecodedCommand{json})) {
+    world_.feed(server_id, wire::InputKind::command, "http", std::move(json));
+    if (store == nullptr) return decided({});
+    if (server.alive) store->confirm(world_.now, std::move(decided));
+    return;
+  }
+  wire::Input proposal{server.clock.read(world_.now), wire::InputKind::proposal, "http", json, false};
+  store->propose(world_.now, std::move(proposal),
+                 [this, generation = server.generation, json = std::move(json),
+                  decided = std::move(decided)](const Result<void>& stored) {
+                   Actor& receiver = actor(server_process);
+                   if (!receiver.alive || receiver.generation != generation) return;
+                   if (!stored) return decided(stored);
+                   if (receiver.earlier_commands.empty()) return world_.give_stored(json, decided);
+                   receiver.earlier_commands.emplace_back(json, decided);
+                 });
+}
+
+World::Impl::Impl(WorldOptions o)
+    : options{std::move(o)}, network{options.seed, options.network}, faults{std::make_unique<Faults>(*this)} {}
+
+const FaultInjection::Observer& World::Impl::observer() const { return faults->observer(); }
+bool World::Impl::broker_running() const { return faults->broker_running(); }
 
 World::World() = default;
 World::~World() = default;
 
 Result<std::unique_ptr<World>> World::make(WorldOptions options) {
+  COSIVA_EXPECT(!options.as_values || !options.server_store);
   auto rtm = zone::RtmBuilder{options.rtm}.build(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
   options.rtm = *rtm;
@@ -298,6 +545,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   plant_options.seed = options.seed;
   plant_options.noise = options.noise;
   plant_options.publish_ground_truth = options.ground_truth;
+  plant_options.as_values = options.as_values;
   plant_options.cycle = options.cycle.value_or(plant_options.cycle);
   auto plant = physical::PlantCore::make(std::move(plant_options));
   if (!plant) return tl::unexpected(plant.error());
@@ -327,7 +575,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   inside.start(Impl::plant_id, std::move(*plant), "plant", plant_configuration);
   inside.start_server();
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
-  inside.unknown_sender = inside.network.connect(inside.now, {}, std::nullopt);
+  inside.faults->connect_unknown_sender();
   return world;
 }
 
@@ -358,18 +606,15 @@ void World::play(const Scenario& scenario) {
 }
 std::optional<SimTime> World::scenario_began() const { return impl_->scenario_began; }
 bool World::scenario_done() const { return !impl_->player || impl_->player->done(); }
-void World::on_step(OnStep action) { impl_->on_step = std::move(action); }
-
-void World::publish(const wire::Publish& message) {
-  if (message.topic == wire::plant_radio_topic) impl_->change_ether(message.payload);
-  impl_->network.publish(impl_->now, impl_->unknown_sender, message);
-}
+void World::on_step(OnStep action) { impl_->handlers.step = std::move(action); }
 
 void World::kill_aiv(std::uint32_t number) { impl_->kill(Impl::first_aiv_id + number - 1); }
 void World::start_aiv(std::uint32_t number) { impl_->start_aiv(number, false); }
 void World::kill_server() { impl_->kill(Impl::server_id); }
 void World::start_server() { impl_->start_server(); }
-void World::tap(Tap tap) { impl_->tap = std::move(tap); }
+FaultInjection& World::faults() { return *impl_->faults; }
+void World::tap(Tap tap) { impl_->handlers.published = std::move(tap); }
+void World::observe_server(ServerObserver observer) { impl_->handlers.server = std::move(observer); }
 
 const physical::PlantCore& World::plant() const {
   return static_cast<const physical::PlantCore&>(*impl_->actors[Impl::plant_id].core);

@@ -12,6 +12,8 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/world/core_store.h"
+#include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/physical/plant/plant_core.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/virtual/server/core/server_core.h"
@@ -29,9 +31,9 @@ struct WorldOptions {
   aiv::SpeedRules rules;  ///< of the physical AIVs; virtual AIVs have the server's
   bool v2x{true};         ///< likewise
   virtual_side::ServerOptions server;
-  /// Orders and frequent messages of vehicles are passed on as values, without writing or reading texts
-  /// (wire/in_process/typed_message.h): the same run, to the last bit of all estimates, in three fifths of the time. A
-  /// tap receives such messages without their text.
+  /// Orders, frequent messages of vehicles and the frames of their boards are passed on as values, without writing or
+  /// reading texts and bytes (wire/in_process/typed_message.h, board_frames.h): the same run, to the last bit of all
+  /// estimates, in less than half of the time. A tap receives such messages without their text.
   bool as_values{false};
   /// The common period of all components: the plant and its boards, then the vehicles, then the server, one after
   /// another within a hundredth of a second. Nothing: each component has its own period, as on the live platform (10
@@ -41,7 +43,14 @@ struct WorldOptions {
   bool ground_truth{true};  ///< the plant publishes the ground truth for instruments, ten times per second
   /// Built from `zone` already, where it is known; null: the world builds it, once for all of its programs.
   std::shared_ptr<const zone::Rtm> rtm{};
+  /// Stores the server's inputs and state; null: its state alone survives a crash, at once. Not together with
+  /// `as_values` (checked), because a store needs texts.
+  std::shared_ptr<CoreStore> server_store{};
 };
+
+/// Whether an experiment's run with this seed passes messages on as values: all but one seed in ten, which keeps the
+/// texts and frames of the real wire in the experiment. The outcome is the same.
+[[nodiscard]] constexpr bool passes_values(std::uint64_t seed) { return seed % 10 != 0; }
 
 /// The whole platform in virtual time.
 ///
@@ -69,16 +78,19 @@ class World {
   /// Sets a handler that is called with each step when it is played.
   using OnStep = std::function<void(SimTime, const Scenario::Step&)>;
   void on_step(OnStep action);
-  /// Publishes a message from an unknown sender on the same broker.
-  void publish(const wire::Publish& message);
   /// Processes that die and are restarted: kill breaks the core's connections at once, without a disconnect message.
   void kill_aiv(std::uint32_t number);
   void start_aiv(std::uint32_t number);
   void kill_server();
   void start_server();
+  /// Valid as long as the world.
+  [[nodiscard]] FaultInjection& faults();
   /// Sets a handler of every message as it is published (time, from, message).
   using Tap = std::function<void(SimTime, const std::string& from, const wire::Publish&)>;
   void tap(Tap tap);
+  /// Sets a handler of every input of the server with the effects that it had, after the server has handled it.
+  using ServerObserver = std::function<void(const wire::Input&, const wire::Effects&)>;
+  void observe_server(ServerObserver observer);
 
   [[nodiscard]] const physical::PlantCore& plant() const;
   [[nodiscard]] const virtual_side::ServerCore& server() const;

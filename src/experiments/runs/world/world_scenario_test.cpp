@@ -9,6 +9,7 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/test_paths.h"
+#include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/own_messages.h"
@@ -216,11 +217,13 @@ TEST(WorldRadio, the_ether_around_a_vehicle_outlives_its_program) {
 TEST(WorldRadio, messages_of_unknown_senders_about_the_ether_are_used_unless_invalid) {
   Stage stage{scenario_of("name = \"t\"\naivs = 1\n")};
   stage.world->run_for(3s);
-  stage.world->publish({"cosiva/v1/plant/radio", "nonsense", 0, false});
-  stage.world->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":7})", 0, false});
+  stage.world->faults().publish_from_outside({"cosiva/v1/plant/radio", "nonsense", 0, false});
+  stage.world->faults().publish_from_outside(
+      {"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":7})", 0, false});
   stage.world->run_for(3s);
   EXPECT_EQ(stage.world->network().counters().lost, 0U);
-  stage.world->publish({"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":0.5})", 0, false});
+  stage.world->faults().publish_from_outside(
+      {"cosiva/v1/plant/radio", R"({"vehicle":"CoSiVA/AIV1","loss":0.5})", 0, false});
   stage.world->run_for(3s);
   EXPECT_GT(stage.world->network().counters().lost, 10U);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cosiva/base/json_value.h"
+#include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/test_world.h"
 
 namespace cosiva::experiments {
@@ -137,7 +138,7 @@ TEST(ZoneSwitch, to_an_invalid_configuration_leaves_the_old_zone_in_force_and_re
   const auto after_m = distances_m(*world);
   for (std::size_t v = 0; v < after_m.size(); ++v) EXPECT_GT(after_m[v] - before_m[v], 1.0);
   // The same when the physical side publishes it.
-  world->publish({"cosiva/v1/zone/toml", broken.text, 1, true});
+  world->faults().publish_from_outside({"cosiva/v1/zone/toml", broken.text, 1, true});
   world->run_for(20s);
   const JsonValue shot = snapshot(*world);
   EXPECT_EQ(shot.find("zone")->text("name"), "lacet4");

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/zone/circuit/path_snap.h"
@@ -159,5 +160,7 @@ void ControlAreas::fold(Digest& digest) const {
     if (vehicle.owner) digest.add(std::string_view{vehicle.owner->area});
   }
 }
+
+void ControlAreas::archive(Archive& archive) { archive(areas_, vehicles_); }
 
 }  // namespace cosiva::virtual_side

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/orders/missions.h"
@@ -66,6 +67,7 @@ class ControlAreas {
   /// {"name","others":[{"name","online"}]}.
   void write(JsonWriter& json) const;
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct ControlArea {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
 
@@ -71,5 +72,7 @@ void ThirdPartyPause::send(VehicleIndex vehicle, std::string action) {
                                      {{std::move(action), {}, {}, wire::BlockingType::none, {}}}, timeout, false);
   COSIVA_EXPECT(pause.handle > previous && action_sender_.find(previous) == nullptr);
 }
+
+void ThirdPartyPause::archive(Archive& archive) { archive(changes_, pauses_); }
 
 }  // namespace cosiva::virtual_side

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/registry.h"
@@ -52,6 +53,7 @@ class ThirdPartyPause {
   [[nodiscard]] const std::string& paused_for(VehicleIndex vehicle) const { return pauses_[vehicle].body; }
   /// Incremented at the start and at the end of each pause.
   [[nodiscard]] std::uint64_t changes() const { return changes_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] bool in_path(VehicleIndex vehicle, const Pose2& X_MB, const Body& body, double within_m) const;

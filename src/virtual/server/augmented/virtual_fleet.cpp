@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/typed_messages.h"
 
@@ -24,15 +25,19 @@ void VirtualFleet::send(Host& host) {
 
 void VirtualFleet::add(VehicleIndex vehicle, SimTime now, bool link_up, const std::shared_ptr<const zone::Rtm>& rtm,
                        zone::TrackPosition start) {
-  const AivProxy& proxy = registry_[vehicle];
-  COSIVA_EXPECT(proxy.augmented() && find(vehicle) == nullptr);
   COSIVA_EXPECT(effects_.empty());
-  hosts_.push_back({vehicle, now,
-                    VirtualAiv(proxy.id().serial_number, proxy.identity.number(), rtm, start,
-                               registry_.interface_name(), rules_, v2x_)});
+  host(vehicle, now, {rtm, start});
   if (!link_up) return;
   hosts_.back().aiv.link(now, true, effects_);
   send(hosts_.back());
+}
+
+void VirtualFleet::host(VehicleIndex vehicle, SimTime now, const VirtualAiv::Origin& origin) {
+  const AivProxy& proxy = registry_[vehicle];
+  COSIVA_EXPECT(proxy.augmented() && find(vehicle) == nullptr);
+  hosts_.push_back({vehicle, now,
+                    VirtualAiv(proxy.id().serial_number, proxy.identity.number(), origin.rtm, origin.start,
+                               registry_.interface_name(), rules_, v2x_)});
 }
 
 void VirtualFleet::remove(VehicleIndex vehicle, SimTime now) {
@@ -128,6 +133,24 @@ void VirtualFleet::fold(Digest& digest) const {
   for (const Host& host : hosts_) {
     digest.add(std::uint64_t{host.vehicle});
     host.aiv.fold(digest);
+  }
+}
+
+void VirtualFleet::archive(Archive& archive) {
+  const std::size_t hosts = archive.count(hosts_.size());
+  if (archive.reads() && !hosts_.empty()) archive.fail("virtual AIVs are hosted already");
+  for (std::size_t i = 0; i < hosts && !archive.failed(); ++i) {
+    VehicleIndex vehicle = archive.reads() ? no_vehicle : hosts_[i].vehicle;
+    VirtualAiv::Origin origin = archive.reads() ? VirtualAiv::Origin{} : hosts_[i].aiv.origin();
+    archive(vehicle, origin);
+    if (archive.failed()) return;
+    if (archive.reads()) {
+      if (vehicle >= registry_.size() || !registry_[vehicle].augmented() || find(vehicle) != nullptr || !origin.rtm ||
+          origin.start.section >= origin.rtm->zone().circuit.size())
+        return archive.fail("a virtual AIV that is no vehicle of the registry, or on no zone");
+      host(vehicle, {}, origin);
+    }
+    archive(hosts_[i].since, hosts_[i].aiv, hosts_[i].listens);
   }
 }
 

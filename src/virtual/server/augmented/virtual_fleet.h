@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/registry.h"
@@ -59,8 +60,10 @@ class VirtualFleet {
   void tick(SimTime now);
   void farewell(SimTime now);
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
+  void host(VehicleIndex vehicle, SimTime now, const VirtualAiv::Origin& origin);
   Host* find_host(VehicleIndex vehicle);
   void send(Host& host);
 

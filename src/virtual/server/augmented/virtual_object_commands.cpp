@@ -126,9 +126,9 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const AddCommand& comma
   }
   if (requested.is_aiv) {
     const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), requested.id};
-    if (!registry_.find(wire::to_string(vehicle)) && registry_.size() >= Registry::vehicles_max)
+    if (!registry_.find(wire::to_string(vehicle)) && registry_.full() && !registry_.removable())
       return fail("virtual_object.many",
-                  "this server knows " + std::to_string(Registry::vehicles_max) +
+                  "this server knows " + std::to_string(registry_.vehicles_max()) +
                       " vehicles already and accepts no more; add it under a name that was used before");
     auto track_position = read_aiv_position(virtual_object);
     if (!track_position) return tl::unexpected(track_position.error());

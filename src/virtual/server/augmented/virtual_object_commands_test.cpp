@@ -271,7 +271,7 @@ TEST(VirtualAivs, make_the_same_run_from_the_same_inputs) {
     Digest digest;
     fixture.server->fold(digest);
     for (const wire::Publish& message : fixture.published) digest.add(std::string_view{message.payload});
-    digest.add(std::string_view{fixture.memory});
+    digest.add(std::string_view{fixture.persisted});
     return digest.hex();
   };
   EXPECT_EQ(run(), run());
@@ -575,17 +575,21 @@ TEST_F(ObjectCommands, count_persons_and_vehicles_together) {
                    "there are 64 virtual objects already; remove one that is no longer needed, then try again", ""}));
 }
 
-TEST_F(ObjectCommands, add_only_known_vehicles_where_the_server_knows_256) {
+TEST_F(ObjectCommands, add_only_known_vehicles_where_the_server_knows_as_many_as_it_accepts) {
   Registry& registry = world.orders.server.registry;
-  while (registry.size() + 2 < Registry::vehicles_max)
-    ASSERT_TRUE(registry.add({"ACME", "A" + std::to_string(registry.size())}, world.orders.now).has_value());
+  const auto add_vehicle = [&](const std::string& serial) {
+    const auto added = registry.add({"ACME", serial}, world.orders.now);
+    ASSERT_TRUE(added.has_value());
+    registry[*added].twin_link.on_present();
+  };
+  while (registry.size() + 2 < registry.vehicles_max()) add_vehicle("A" + std::to_string(registry.size()));
   ASSERT_TRUE(registry.add({"CoSiVA.virtual", "V1"}, world.orders.now).has_value());
   VirtualObjectFields fields = on_section("aiv", "south");
   fields.id = "V2";
-  EXPECT_TRUE(add(fields).has_value()) << "the 256th";
-  ASSERT_TRUE(registry.add({"ACME", "last"}, world.orders.now).has_value());
+  EXPECT_TRUE(add(fields).has_value()) << "the 2 000th";
+  add_vehicle("last");
   EXPECT_EQ(refusal(fields).code, "virtual_object.many");
-  EXPECT_THAT(refusal(fields).message, HasSubstr("knows 256 vehicles already"));
+  EXPECT_THAT(refusal(fields).message, HasSubstr("knows 2000 vehicles already"));
   fields.id = "V1";
   EXPECT_TRUE(add(fields).has_value()) << "the name was used before";
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
@@ -239,5 +240,7 @@ void VirtualObstaclePublisher::fold(Digest& digest) const {
     digest.add(std::string_view{viewer.perceives});
   }
 }
+
+void VirtualObstaclePublisher::archive(Archive& archive) { archive(viewers_, busy_); }
 
 }  // namespace cosiva::virtual_side

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/augmented/third_party_pause.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
@@ -62,6 +63,7 @@ class VirtualObstaclePublisher {
   /// The virtual body that the vehicle brakes for; empty: none.
   [[nodiscard]] const std::string& perceives(VehicleIndex vehicle) const { return viewers_[vehicle].perceives; }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// A body of the virtual world, as sent to all vehicles.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -25,7 +26,7 @@ bool may_have_limit(const AivProxy& proxy) {
   return proxy.reported_state.imposed() || proxy.settings.speed_mps_max();
 }
 
-bool sets_speed(OperatorCommandKind verb) { return profile_of(verb) || verb == OperatorCommandKind::limit; }
+bool sets_speed(OperatorCommandKind kind) { return profile_of(kind) || kind == OperatorCommandKind::limit; }
 
 }  // namespace
 
@@ -39,15 +40,15 @@ std::string_view to_string(CommandState state) {
   return "?";
 }
 
-std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind verb) const {
+std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCommandKind kind) const {
   const AivProxy& proxy = registry_[vehicle];
-  if (sets_speed(verb) && proxy.supports("setSpeedLimit") == std::optional{false})
+  if (sets_speed(kind) && proxy.supports("setSpeedLimit") == std::optional{false})
     return proxy.name() + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
   return std::nullopt;
 }
 
 Result<void> Commands::check(const VehicleCommand& requested) const {
-  if (!requested.verb) {
+  if (!requested.kind) {
     return fail(
         "command.unknown",
         "there is no command '" + requested.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
@@ -56,7 +57,7 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   if (requested.all()) {
     // A Stop and its end also hold for vehicles that are not known yet.
     const bool holds_later =
-        requested.verb == OperatorCommandKind::stop || requested.verb == OperatorCommandKind::restart;
+        requested.kind == OperatorCommandKind::stop || requested.kind == OperatorCommandKind::restart;
     if (!holds_later && addressed(requested).empty())
       return fail("command.vehicle", "no vehicle is known yet", "vehicle");
     return {};
@@ -70,7 +71,7 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   }
   // Of several vehicles, those that can execute the command do so; the entries of the others state the reason.
   if (requested.several) return {};
-  if (auto reason = impossible(*registry_.find(requested.vehicle_names.front()), *requested.verb))
+  if (auto reason = impossible(*registry_.find(requested.vehicle_names.front()), *requested.kind))
     return fail("command.impossible", std::move(*reason), "vehicle");
   return {};
 }
@@ -81,7 +82,8 @@ std::vector<VehicleIndex> Commands::addressed(const VehicleCommand& requested) c
     if (std::ranges::find(vehicles, v) == vehicles.end()) vehicles.push_back(v);
   };
   if (!requested.all()) {
-    for (const std::string& name : requested.vehicle_names) add_once(*registry_.find(name));
+    for (const std::string& name : requested.vehicle_names)
+      if (const auto vehicle = registry_.find(name)) add_once(*vehicle);
     return vehicles;
   }
   for (VehicleIndex v = 0; v < registry_.size(); ++v)
@@ -94,27 +96,36 @@ std::string Commands::next_id(const std::string& wanted) {
   return wanted.empty() ? "c" + std::to_string(running_) : wanted;
 }
 
-void Commands::issue(const Result<VehicleCommand>& requested) {
+void Commands::refuse(Command command, const Error& error) {
+  simulator_.monitor().command_issued();
+  fail_command(command, to_string(error));
+  keep(std::move(command));
+}
+
+void Commands::issue(const Result<VehicleCommand>& requested, bool stored) {
   Command command;
   command.at = publisher_.now();
   command.id = next_id(requested ? requested->id : "");
   if (requested) {
-    command.verb = requested->verb;
+    command.kind = requested->kind;
     command.command_text = requested->command_text;
     command.speed_mps = requested->speed_mps;
+    command.action_id = requested->action_id;
     for (const std::string& name : requested->vehicle_names)
       command.vehicle_name += (command.vehicle_name.empty() ? "" : ", ") + name;
   }
   const Result<void> evaluated = requested ? check(*requested) : tl::unexpected(requested.error());
-  if (!evaluated) {
-    simulator_.monitor().command_issued();
-    fail_command(command, to_string(evaluated.error()));
-    keep(std::move(command));
-    return;
+  const bool holds = evaluated || (stored && requested && requested->kind);
+  if (!evaluated) refuse(command, evaluated.error());
+  if (!holds) return;
+  if (requested->all()) {
+    intentions_.take_for_all(*requested->kind, requested->speed_mps);
+  } else {
+    for (const std::string& name : requested->vehicle_names)
+      intentions_.take(name, *requested->kind, requested->speed_mps);
   }
-  if (requested->all()) intentions_.take_for_all(*requested->verb, requested->speed_mps);
   for (const VehicleIndex v : addressed(*requested)) {
-    if (!requested->all()) intentions_.take(registry_[v].name(), *requested->verb, requested->speed_mps);
+    if (registry_[v].retired()) continue;
     Command one = command;
     if (requested->several) one.id += "." + registry_[v].id().serial_number;
     one.vehicle = v;
@@ -130,19 +141,20 @@ BijectionMonitor* Commands::monitor_of(const Command& command) {
 
 void Commands::begin(Command command) {
   if (BijectionMonitor* monitor = monitor_of(command)) monitor->command_issued();
-  const OperatorCommandKind verb = *command.verb;
+  const OperatorCommandKind kind = *command.kind;
   AivProxy& proxy = registry_[command.vehicle];
-  if (auto reason = impossible(command.vehicle, verb)) {
+  if (auto reason = impossible(command.vehicle, kind)) {
     fail_command(command, std::move(*reason));
     keep(std::move(command));
     return;
   }
   supersede(command);
   std::vector<wire::Action> actions;
-  switch (verb) {
+  switch (kind) {
     case OperatorCommandKind::stop:
       proxy.settings.on_stop();
       actions.push_back(action("startPause"));
+      actions.back().action_id = command.action_id;
       break;
     case OperatorCommandKind::restart:
       actions.push_back(action("stopPause"));
@@ -157,7 +169,7 @@ void Commands::begin(Command command) {
     case OperatorCommandKind::slow:
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast:
-      actions.push_back(speed_limit(to_string(*profile_of(verb))));
+      actions.push_back(speed_limit(to_string(*profile_of(kind))));
       proxy.settings.on_profile();
       break;
     case OperatorCommandKind::limit:
@@ -165,7 +177,7 @@ void Commands::begin(Command command) {
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
   }
-  const bool until_confirmed = verb == OperatorCommandKind::stop;
+  const bool until_confirmed = kind == OperatorCommandKind::stop;
   command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions),
                                        until_confirmed ? InstantActionSender::without_end : timeout, true);
   if (!proxy.online()) command.reason = proxy.name() + " is not connected; the command holds when it is back";
@@ -176,7 +188,7 @@ void Commands::issue_again(VehicleIndex vehicle, OperatorCommandKind kind, doubl
   Command command;
   command.at = publisher_.now();
   command.id = next_id("");
-  command.verb = kind;
+  command.kind = kind;
   command.command_text = to_string(kind);
   command.speed_mps = speed_mps;
   command.vehicle = vehicle;
@@ -191,13 +203,13 @@ bool Commands::any_open(VehicleIndex vehicle) const {
 void Commands::supersede(const Command& by) {
   // Otherwise the older command, repeated because its acknowledgement was lost, would revert the newer one.
   const auto overtakes = [&](OperatorCommandKind older) {
-    if (older == *by.verb || *by.verb == OperatorCommandKind::restart) return true;
-    return (sets_speed(older) && sets_speed(*by.verb)) ||
-           (older == OperatorCommandKind::restart && *by.verb == OperatorCommandKind::stop);
+    if (older == *by.kind || *by.kind == OperatorCommandKind::restart) return true;
+    return (sets_speed(older) && sets_speed(*by.kind)) ||
+           (older == OperatorCommandKind::restart && *by.kind == OperatorCommandKind::stop);
   };
   for (Command& older : list_) {
-    if (older.vehicle == by.vehicle && older.open() && overtakes(*older.verb))
-      fail_command(older, "superseded by " + by.id + " (" + std::string(to_string(*by.verb)) + ")");
+    if (older.vehicle == by.vehicle && older.open() && overtakes(*older.kind))
+      fail_command(older, "superseded by " + by.id + " (" + std::string(to_string(*by.kind)) + ")");
   }
 }
 
@@ -205,12 +217,12 @@ bool Commands::effect_observed(const Command& command) const {
   const AivProxy& proxy = registry_[command.vehicle];
   const wire::State& state = *proxy.state();  // a state has acknowledged the command's actions
   const double speed_mps = proxy.twin() ? simulator_.twin(*proxy.twin()).speed_mps() : 0.0;
-  switch (*command.verb) {
+  switch (*command.kind) {
     case OperatorCommandKind::stop: return state.paused && !state.driving && speed_mps < stopped_mps;
     case OperatorCommandKind::restart: {
       // A limit requested after the restart does not make the restart fail.
       const bool limited_since = std::ranges::any_of(list_, [&](const Command& other) {
-        return other.vehicle == command.vehicle && other.at >= command.at && profile_of(*other.verb);
+        return other.vehicle == command.vehicle && other.at >= command.at && profile_of(*other.kind);
       });
       return !state.paused && (!proxy.reported_state.imposed() || limited_since);
     }
@@ -222,7 +234,7 @@ bool Commands::effect_observed(const Command& command) const {
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast: break;
   }
-  const aiv::Profile profile = *profile_of(*command.verb);
+  const aiv::Profile profile = *profile_of(*command.kind);
   if (proxy.reported_state.imposed() != profile) return false;
   const auto& zone = simulator_.zone();
   return !zone || speed_mps <= aiv::kinematics(zone->profiles, profile).speed_mps + speed_slack_mps;
@@ -259,7 +271,7 @@ void Commands::on_state(VehicleIndex vehicle) {
 void Commands::tick() {
   const SimTime now = publisher_.now();
   for (Command& command : list_) {
-    if (!command.open() || command.verb == OperatorCommandKind::stop || now - command.at < timeout) continue;
+    if (!command.open() || command.kind == OperatorCommandKind::stop || now - command.at < timeout) continue;
     fail_command(command, command.accepted_at ? "accepted, but its effect was not observed within 5 s"
                                               : "the vehicle did not respond within 5 s");
   }
@@ -281,7 +293,7 @@ void Commands::materialise(Command& command) {
   COSIVA_EXPECT(command.state == CommandState::accepted);
   command.state = CommandState::materialised;
   command.materialised_at = publisher_.now();
-  if (command.verb == OperatorCommandKind::limit) registry_[command.vehicle].settings.on_limit(command.speed_mps);
+  if (command.kind == OperatorCommandKind::limit) registry_[command.vehicle].settings.on_limit(command.speed_mps);
   action_sender_.drop(command.handle);
   if (BijectionMonitor* monitor = monitor_of(command))
     monitor->command_materialised(to_milliseconds_by_seconds(publisher_.now() - command.at));
@@ -303,7 +315,7 @@ void Commands::keep(Command command) {
   // fail. A Stop that is not confirmed stays.
   while (list_.size() > kept_max) {
     const auto oldest =
-        std::ranges::find_if(list_, [](const Command& c) { return !c.open() || c.verb != OperatorCommandKind::stop; });
+        std::ranges::find_if(list_, [](const Command& c) { return !c.open() || c.kind != OperatorCommandKind::stop; });
     if (oldest == list_.end()) break;
     if (oldest->open()) fail_command(*oldest, "too many commands at once");
     list_.erase(oldest);
@@ -317,5 +329,7 @@ void Commands::fold(Digest& digest) const {
     digest.add(static_cast<std::uint64_t>(command.state));
   }
 }
+
+void Commands::archive(Archive& archive) { archive(list_, running_); }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/commands/intentions.h"
@@ -25,8 +26,9 @@ struct Command {
   VehicleIndex vehicle{no_vehicle};
   std::string vehicle_name;
   std::string command_text;  ///< as requested, even when the command is unknown
-  std::optional<OperatorCommandKind> verb;
-  double speed_mps{};  ///< of `limit`
+  std::optional<OperatorCommandKind> kind;
+  double speed_mps{};       ///< of `limit`
+  std::string action_id{};  ///< of a Stop that was published already
   CommandState state{CommandState::issued};
   SimTime at{};
   std::optional<SimTime> accepted_at;
@@ -59,7 +61,9 @@ class Commands {
   /// Whether issue() would execute the command.
   [[nodiscard]] Result<void> check(const VehicleCommand& command) const;
   /// @param command  or why its text is no command, which is listed as failed
-  void issue(const Result<VehicleCommand>& command);
+  /// @param stored   the command was accepted and stored before: its intention holds for a vehicle that is not known
+  ///                 yet, which an earlier process of the server knew
+  void issue(const Result<VehicleCommand>& command, bool stored = false);
   /// Issues a command again whose intention a vehicle does not fulfil: it was not there, or has been restarted.
   void issue_again(VehicleIndex vehicle, OperatorCommandKind kind, double speed_mps);
   [[nodiscard]] bool any_open(VehicleIndex vehicle) const;
@@ -72,6 +76,7 @@ class Commands {
   [[nodiscard]] std::string next_free_id() const { return "c" + std::to_string(running_ + 1); }
   [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] std::vector<VehicleIndex> addressed(const VehicleCommand& requested) const;
@@ -79,8 +84,9 @@ class Commands {
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
   [[nodiscard]] std::string next_id(const std::string& wanted);
   void begin(Command command);
+  void refuse(Command command, const Error& error);
   void supersede(const Command& by);
-  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind verb) const;
+  [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind kind) const;
   [[nodiscard]] bool effect_observed(const Command& command) const;
   void evaluate(Command& command);
   void accept(Command& command);

@@ -50,6 +50,22 @@ class CommandFixture : public testing::Test {
   FixtureVehicle& aiv{fixture.add("AIV1", {0, 0.5})};
 };
 
+TEST_F(CommandFixture, stop_that_was_published_already_has_the_same_action_for_every_vehicle) {
+  fixture.add("AIV2", {2, 0.5});
+  fixture.run_for(1s);
+  const std::size_t before = fixture.published.size();
+  fixture.send_command(R"({"id":"S1","command":"stop","vehicle":"*","actionId":"S1"})");
+  std::vector<std::string> ids;
+  for (std::size_t i = before; i < fixture.published.size(); ++i) {
+    const auto actions = vda::decode_instant_actions(fixture.published[i].payload);
+    if (actions && actions->actions[0].action_type == "startPause") ids.push_back(actions->actions[0].action_id);
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"S1", "S1"}));
+  fixture.run_for(1s);
+  EXPECT_EQ(state_of("S1.AIV1"), "materialised");
+  EXPECT_EQ(state_of("S1.AIV2"), "materialised");
+}
+
 TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle_is_stopped) {
   ASSERT_GT(aiv.speed_mps, 0.0);
   fixture.command("stop", "CoSiVA/AIV1", "c1");
@@ -818,6 +834,32 @@ TEST_F(FollowedCommands, fold_their_ids_and_states) {
   Digest folded;
   master.commands.fold(folded);
   EXPECT_EQ(folded.hex(), expected.hex());
+}
+
+// The fault simulation found this: a restarted server is given the commands that an earlier process had accepted, and
+// it did not know their vehicles yet.
+TEST_F(CommandFixture, a_stored_command_holds_for_a_vehicle_that_is_not_known_yet) {
+  fixture.feed(wire::InputKind::command, "http", R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})", true);
+  EXPECT_EQ(state_of("c1"), "failed");
+  const FixtureVehicle& late = fixture.add("AIV2", {1, 0.5});
+  fixture.run_for(8s);
+  EXPECT_EQ(late.speed_mps, 0.0);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").flag("paused"), true);
+}
+
+TEST_F(CommandFixture, a_command_that_is_not_stored_does_not_hold_for_an_unknown_vehicle) {
+  fixture.feed(wire::InputKind::command, "http", R"({"id":"c1","command":"stop","vehicle":"CoSiVA/AIV2"})", false);
+  EXPECT_EQ(state_of("c1"), "failed");
+  fixture.add("AIV2", {1, 0.5});
+  fixture.run_for(8s);
+  EXPECT_EQ(fixture.aiv("CoSiVA/AIV2").flag("paused"), false);
+}
+
+TEST_F(CommandFixture, commands_of_an_earlier_process_wait_until_its_vehicles_are_known_again) {
+  fixture.restart_server();
+  EXPECT_FALSE(fixture.server->takes_earlier_commands());
+  fixture.run_for(6s);
+  EXPECT_TRUE(fixture.server->takes_earlier_commands());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/commands/intention_enforcer.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -50,5 +51,7 @@ void IntentionEnforcer::enforce(VehicleIndex vehicle) {
   tried_at = publisher_.now();
   commands_.issue_again(vehicle, *kind, intention.speed_mps_max.value_or(0.0));
 }
+
+void IntentionEnforcer::archive(Archive& archive) { archive(tried_at_); }
 
 }  // namespace cosiva::virtual_side

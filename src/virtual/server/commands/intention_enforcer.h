@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/commands/commands.h"
 #include "cosiva/virtual/server/commands/intentions.h"
@@ -25,6 +26,7 @@ class IntentionEnforcer {
 
   /// Before orders are given: a vehicle whose Stop is not confirmed gets none.
   void tick();
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void enforce(VehicleIndex vehicle);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -125,5 +126,7 @@ bool Intentions::restore(const JsonValue& json) {
   }
   return all_read;
 }
+
+void Intentions::archive(Archive& archive) { archive(everyone_, own_); }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
@@ -50,6 +51,7 @@ class Intentions {
   void write(JsonWriter& json) const;
   /// Replaces all intentions; items that cannot be read are skipped, and false is returned.
   [[nodiscard]] bool restore(const JsonValue& json);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void set(const std::string& vehicle_name, const Intention& intention);

@@ -22,7 +22,13 @@ struct MasterControl {
   Missions missions{served.registry, served.publisher};
   MissionRequests mission_requests{served.registry, served.publisher, missions};
   PersistedMissions persisted_missions{served.registry, missions};
-  OrderManager orders{served.registry, traffic, served.publisher, actions, missions, served.simulator};
+  OrderManager orders{served.registry,
+                      traffic,
+                      served.publisher,
+                      actions,
+                      missions,
+                      served.simulator,
+                      OrderRules{.permitted_time = served.options.permitted_time}};
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
   MapDeployment maps{served.registry, served.publisher, actions};
   Intentions intentions{};

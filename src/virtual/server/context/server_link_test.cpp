@@ -76,6 +76,21 @@ TEST(ServerLink, makes_its_heartbeats_in_a_fixed_grid_where_they_are_a_little_la
   EXPECT_TRUE(link.take_heartbeat(at_ms(200)));
 }
 
+TEST(ServerLink, reports_once_that_messages_have_arrived_since_its_last_call) {
+  ServerLink link;
+  link.on_message();
+  EXPECT_FALSE(link.take_message_received()) << "the link is down";
+  link.came_up(at_ms(0));
+  EXPECT_FALSE(link.take_message_received());
+  link.on_message();
+  link.on_message();
+  EXPECT_TRUE(link.take_message_received());
+  EXPECT_FALSE(link.take_message_received());
+  link.on_message();
+  link.went_down();
+  EXPECT_FALSE(link.take_message_received());
+}
+
 TEST(ServerLinkDeathTest, refuses_to_be_synchronised_while_the_link_is_down) {
   ServerLink link;
   EXPECT_DEATH(link.set_synchronised(), "up_");

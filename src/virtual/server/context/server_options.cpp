@@ -32,6 +32,22 @@ Result<void> read_duration(const JsonValue& json, std::string_view field, SimDur
   return {};
 }
 
+/// A journal from before there were these limits lives through its time again with the fixed limit of then.
+Result<void> read_limits(const JsonValue& json, ServerOptions& options) {
+  constexpr std::size_t vehicles_max_then = 256;
+  auto vehicles = static_cast<double>(vehicles_max_then);
+  if (auto r = read_positive(json, "vehicles_max", static_cast<double>(Registry::vehicles_max_limit), vehicles); !r)
+    return r;
+  if (vehicles < 1.0) return bad("vehicles_max", "at least 1");
+  options.vehicles_max = static_cast<std::size_t>(vehicles);
+  options.entries_expire_after = SimDuration::zero();
+  if (json.number("entries_expire_after_ms").value_or(0.0) != 0.0)
+    if (auto r = read_duration(json, "entries_expire_after_ms", options.entries_expire_after); !r) return r;
+  options.vehicle_messages_per_s_max = 0.0;
+  if (json.number("vehicle_messages_per_s_max").value_or(0.0) == 0.0) return {};
+  return read_positive(json, "vehicle_messages_per_s_max", 1e6, options.vehicle_messages_per_s_max);
+}
+
 Result<void> read_zone(const JsonValue& json, ServerOptions& options) {
   const JsonValue* zone = json.find("zone");
   if (zone == nullptr || zone->is_null()) return {};
@@ -60,9 +76,10 @@ std::string to_json(const ServerOptions& options) {
   json.begin_object().field("interface", options.interface_name);
   if (!options.area.empty()) json.field("area", options.area);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
-  json.field("drive", options.drive)
-      .field("lost_after_ms", to_milliseconds_by_seconds(options.lost_after))
-      .field("cycle_ms", to_milliseconds_by_seconds(options.cycle));
+  json.field("drive", options.drive).field("lost_after_ms", to_milliseconds_by_seconds(options.lost_after));
+  if (options.permitted_time > SimDuration::zero())
+    json.field("permitted_time_ms", to_milliseconds_by_seconds(options.permitted_time));
+  json.field("cycle_ms", to_milliseconds_by_seconds(options.cycle));
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", options.contract.divergence_p99_m)
@@ -72,6 +89,9 @@ std::string to_json(const ServerOptions& options) {
       .field("effect_p99_ms", options.contract.effect_p99_ms)
       .field("actual_p99_m", options.contract.actual_p99_m)
       .end_object();
+  json.field("vehicles_max", options.vehicles_max)
+      .field("entries_expire_after_ms", to_milliseconds_by_seconds(options.entries_expire_after))
+      .field("vehicle_messages_per_s_max", options.vehicle_messages_per_s_max);
   json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
   json.field("v2x", options.v2x).field("convoys", options.convoys);
   aiv::write_json(json.key("virtual_rules"), options.virtual_rules);
@@ -91,12 +111,16 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   options.drive = json->flag("drive").value_or(true);
   if (auto r = read_zone(*json, options); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "lost_after_ms", options.lost_after); !r) return tl::unexpected(r.error());
+  // A journal from before there was a limit is replayed without it.
+  options.permitted_time = {};
+  if (auto r = read_duration(*json, "permitted_time_ms", options.permitted_time); !r) return tl::unexpected(r.error());
   if (auto r = read_duration(*json, "cycle_ms", options.cycle); !r) return tl::unexpected(r.error());
   if (options.cycle < std::chrono::milliseconds{1}) return bad("cycle_ms", "at least 1");
   if (auto r = read_contract(*json, options.contract); !r) return tl::unexpected(r.error());
   auto traces = static_cast<double>(options.traces_max);
   if (auto r = read_positive(*json, "traces_max", 1e7, traces); !r) return tl::unexpected(r.error());
   options.traces_max = static_cast<std::size_t>(traces);
+  if (auto r = read_limits(*json, options); !r) return tl::unexpected(r.error());
   options.map_download_link = json->text("map_download_link").value_or("");
   // A journal from before there were V2X, convoys or rules lives through its time again without them.
   options.v2x = json->flag("v2x").value_or(false);

@@ -23,9 +23,13 @@ ServerOptions unusual_options() {
   options.zone = zone::ZoneConfiguration{"toml", "yard.toml", "name = 7", "[tags]"};
   options.drive = false;
   options.lost_after = milliseconds{2500};
+  options.permitted_time = milliseconds{1500};
   options.cycle = milliseconds{100};
   options.contract = {0.25, 1.5, 2.5, 3.5, 4.5, 0.75};
   options.traces_max = 7;
+  options.vehicles_max = 12;
+  options.entries_expire_after = milliseconds{30'000};
+  options.vehicle_messages_per_s_max = 40.5;
   options.map_download_link = "http://example.test/zone";
   options.v2x = false;
   options.convoys = false;
@@ -52,14 +56,18 @@ std::string json_of(std::string_view within, std::string_view field, const std::
 TEST(ServerOptionsJson, has_a_field_for_each_option) {
   const auto json = JsonValue::parse(to_json(unusual_options()));
   ASSERT_TRUE(json.has_value());
-  EXPECT_EQ(json->object()->size(), 12U);
+  EXPECT_EQ(json->object()->size(), 16U);
   EXPECT_EQ(json->text("interface"), "plant7");
   EXPECT_EQ(json->text("area"), "south");
   EXPECT_EQ(json->find("zone")->text("origin"), "yard.toml");
   EXPECT_EQ(json->flag("drive"), false);
   EXPECT_EQ(json->number("lost_after_ms"), 2500.0);
+  EXPECT_EQ(json->number("permitted_time_ms"), 1500.0);
   EXPECT_EQ(json->number("cycle_ms"), 100.0);
   EXPECT_EQ(json->number("traces_max"), 7.0);
+  EXPECT_EQ(json->number("vehicles_max"), 12.0);
+  EXPECT_DOUBLE_EQ(json->number("entries_expire_after_ms").value_or(0.0), 30'000.0);
+  EXPECT_EQ(json->number("vehicle_messages_per_s_max"), 40.5);
   EXPECT_EQ(json->text("map_download_link"), "http://example.test/zone");
   EXPECT_EQ(json->flag("v2x"), false);
   EXPECT_EQ(json->flag("convoys"), false);
@@ -79,7 +87,7 @@ TEST(ServerOptionsJson, leaves_out_area_and_zone_where_there_are_none) {
   ASSERT_TRUE(json.has_value());
   EXPECT_EQ(json->find("area"), nullptr);
   EXPECT_EQ(json->find("zone"), nullptr);
-  EXPECT_EQ(json->object()->size(), 10U);
+  EXPECT_EQ(json->object()->size(), 14U);
 }
 
 TEST(ServerOptionsJson, is_read_back) {
@@ -90,6 +98,7 @@ TEST(ServerOptionsJson, is_read_back) {
   EXPECT_EQ(read.zone, expected.zone);
   EXPECT_FALSE(read.drive);
   EXPECT_EQ(read.lost_after, milliseconds{2500});
+  EXPECT_EQ(read.permitted_time, milliseconds{1500});
   EXPECT_EQ(read.cycle, milliseconds{100});
   EXPECT_EQ(read.contract.divergence_p99_m, 0.25);
   EXPECT_EQ(read.contract.age_p99_ms, 1.5);
@@ -98,6 +107,9 @@ TEST(ServerOptionsJson, is_read_back) {
   EXPECT_EQ(read.contract.effect_p99_ms, 4.5);
   EXPECT_EQ(read.contract.actual_p99_m, 0.75);
   EXPECT_EQ(read.traces_max, 7U);
+  EXPECT_EQ(read.vehicles_max, 12U);
+  EXPECT_EQ(read.entries_expire_after, milliseconds{30'000});
+  EXPECT_EQ(read.vehicle_messages_per_s_max, 40.5);
   EXPECT_EQ(read.map_download_link, "http://example.test/zone");
   EXPECT_FALSE(read.v2x);
   EXPECT_FALSE(read.convoys);
@@ -115,9 +127,13 @@ TEST(ServerOptionsJson, without_fields_or_with_null_fields_means_the_defaults_of
     EXPECT_FALSE(read.zone.has_value());
     EXPECT_TRUE(read.drive);
     EXPECT_EQ(read.lost_after, milliseconds{1000});
+    EXPECT_EQ(read.permitted_time, milliseconds{0});
     EXPECT_EQ(read.cycle, milliseconds{20});
     EXPECT_EQ(read.contract.age_p99_ms, 150.0);
     EXPECT_EQ(read.traces_max, 20'000U);
+    EXPECT_EQ(read.vehicles_max, 256U);
+    EXPECT_EQ(read.entries_expire_after, milliseconds{0}) << "nothing expires";
+    EXPECT_EQ(read.vehicle_messages_per_s_max, 0.0) << "unlimited";
     EXPECT_EQ(read.map_download_link, "");
     EXPECT_FALSE(read.v2x);
     EXPECT_FALSE(read.convoys);
@@ -141,8 +157,9 @@ TEST(ServerOptionsJson, has_numbers_above_zero_and_up_to_their_limits) {
     const char* beyond;
   };
   for (const Limit& limit : std::array{
-           Limit{"", "lost_after_ms", "3600000", "3600001"}, Limit{"", "cycle_ms", "3600000", "3600001"},
-           Limit{"", "traces_max", "10000000", "10000001"}, Limit{"contract", "divergence_p99_m", "1000", "1001"},
+           Limit{"", "lost_after_ms", "3600000", "3600001"}, Limit{"", "permitted_time_ms", "3600000", "3600001"},
+           Limit{"", "cycle_ms", "3600000", "3600001"}, Limit{"", "traces_max", "10000000", "10000001"},
+           Limit{"", "vehicles_max", "100000", "100001"}, Limit{"contract", "divergence_p99_m", "1000", "1001"},
            Limit{"contract", "age_p99_ms", "10000000", "10000001"},
            Limit{"contract", "command_p99_ms", "10000000", "10000001"},
            Limit{"contract", "event_p99_ms", "10000000", "10000001"},
@@ -155,6 +172,18 @@ TEST(ServerOptionsJson, has_numbers_above_zero_and_up_to_their_limits) {
       EXPECT_EQ(error.location, limit.field);
     }
   }
+}
+
+TEST(ServerOptionsJson, has_zero_for_no_expiry_and_for_no_limit_of_the_rate) {
+  ServerOptions options;
+  options.entries_expire_after = SimDuration::zero();
+  options.vehicle_messages_per_s_max = 0.0;
+  const ServerOptions read = options_read(to_json(options));
+  EXPECT_EQ(read.entries_expire_after, SimDuration::zero());
+  EXPECT_EQ(read.vehicle_messages_per_s_max, 0.0);
+  EXPECT_EQ(options_error(R"({"entries_expire_after_ms":-1})").location, "entries_expire_after_ms");
+  EXPECT_EQ(options_error(R"({"vehicle_messages_per_s_max":1000001})").location, "vehicle_messages_per_s_max");
+  EXPECT_EQ(options_error(R"({"vehicles_max":0.5})").message, "expected at least 1");
 }
 
 TEST(ServerOptionsJson, states_the_limits_in_its_errors) {

@@ -53,7 +53,10 @@ void BrokerSession::send_heartbeat() {
   if (!heartbeat) return;
   const std::string& topic = context_.topics.heartbeat;
   context_.traces.add(context_.now, "AIV_Server", "*", "heartbeat", *heartbeat, topic, *heartbeat);
-  augmented_.hosted.message(context_.now, std::string(wire::server_heartbeat_topic), *heartbeat);
+  // A hosted AIV receives the heartbeat without the broker, and yet has to brake like the others when the broker is
+  // frozen. The reports of the vehicles return from a broker that is alive, at least those of the hosted AIV itself.
+  if (context_.link.take_message_received())
+    augmented_.hosted.message(context_.now, std::string(wire::server_heartbeat_topic), *heartbeat);
   context_.publisher.publish(topic, std::move(*heartbeat), 0, false);
 }
 

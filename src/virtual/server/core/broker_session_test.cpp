@@ -145,6 +145,28 @@ TEST_F(BrokerLink, state_is_passed_on_to_the_virtual_aivs) {
   EXPECT_THAT(connections_of_v1(), ElementsAre(wire::ConnectionState::online, wire::ConnectionState::online));
 }
 
+TEST_F(BrokerLink, on_which_nothing_arrives_any_more_stops_the_virtual_aivs_until_messages_return) {
+  const auto speed_mps = [&] {
+    const auto all = fixture.published_on("uagv/v2/CoSiVA.virtual/V1/visualization");
+    return all.empty() ? 0.0 : vda::decode_visualization(all.back().payload)->velocity->vx_mps;
+  };
+  fixture.run_for(500ms);
+  add_v1();
+  fixture.run_for(4s);
+  ASSERT_GT(speed_mps(), 0.25);
+  fixture.broker_frozen = true;
+  fixture.run_for(500ms);
+  EXPECT_GT(speed_mps(), 0.25);
+  // Braking begins up to a heartbeat later than on a vehicle of its own: 0.62 s. From 0.5 m/s at 0.6 m/s²: 0.83 s.
+  fixture.run_for(1s);
+  EXPECT_EQ(speed_mps(), 0.0);
+  fixture.run_for(3s);
+  EXPECT_EQ(speed_mps(), 0.0);
+  fixture.broker_frozen = false;
+  fixture.run_for(1500ms);
+  EXPECT_GT(speed_mps(), 0.25);
+}
+
 TEST_F(BrokerLink, ends_with_the_farewell_of_the_virtual_aivs_and_of_the_server) {
   fixture.run_for(400ms);
   add_v1();

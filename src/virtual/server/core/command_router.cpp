@@ -34,11 +34,11 @@ Result<void> CommandRouter::check(const DecodedCommand& decoded) const {
   return {};
 }
 
-void CommandRouter::run(const DecodedCommand& decoded) {
+void CommandRouter::run(const DecodedCommand& decoded, bool stored) {
   if (!decoded.command()) return refuse(decoded.command().error());
   const OperatorCommand& command = *decoded.command();
   if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) {
-    master_.commands.issue(*to_vehicles);
+    master_.commands.issue(*to_vehicles, stored);
     context_.state_stale = true;  // the intentions are persisted
     world_.update();
     return;

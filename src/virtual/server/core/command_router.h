@@ -51,7 +51,7 @@ class CommandRouter {
 
   /// Whether run() would execute the command.
   [[nodiscard]] Result<void> check(const DecodedCommand& decoded) const;
-  void run(const DecodedCommand& decoded);
+  void run(const DecodedCommand& decoded, bool stored = false);
 
  private:
   [[nodiscard]] Result<CheckedCommand> checked(const OperatorCommand& command) const;

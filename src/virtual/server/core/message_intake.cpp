@@ -9,6 +9,7 @@
 namespace cosiva::virtual_side {
 
 void MessageIntake::receive(const wire::Input& input) {
+  context_.link.on_message();
   if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x_.receive(input);
   if (BatteryTestRelay::handles(input.source)) return on_battery(input);
   if (GroundTruthComparator::handles(input.source)) return on_gvs(input);

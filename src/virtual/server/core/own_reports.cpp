@@ -54,17 +54,27 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
 /// reported pose, and at its pose at detection time.
 bool OwnReports::is_vehicle(VehicleIndex observer, Point2 p, double radius_m, SimTime detected_at) const {
   const zone::VehicleShape& shape = context_.simulator.zone()->vehicle;
-  const auto touches = [&](const Pose2& X_MB) { return outside_m(X_MB, shape, p) <= vehicle_margin_m + radius_m; };
-  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
-    const AivProxy& proxy = context_.registry[v];
-    if (v == observer || !proxy.here() || proxy.augmented()) continue;
-    const Twin& twin = context_.simulator.twin(*proxy.twin());
-    const MotionReport& report = twin.last_report();
-    const double since_m = twin.speed_mps() * std::max(0.0, to_seconds(report.at - detected_at));
-    if (touches(context_.simulator.image(*proxy.twin(), context_.now).X_MB)) return true;
-    if (report.on_map && (touches(report.X_MB) || touches(report.X_MB * Pose2{-since_m, 0.0, 0.0}))) return true;
-  }
-  return false;
+  const double within_m = vehicle_margin_m + radius_m;
+  // No point of a body is further from its centre than its corners: most vehicles are far away.
+  const double far_m = 0.5 * norm(shape.length_m, shape.width_m) + within_m + 1e-6;
+  const auto touches = [&](const Pose2& X_MB) {
+    return distance(position(X_MB), p) <= far_m && outside_m(X_MB, shape, p) <= within_m;
+  };
+  const auto any_other = [&](auto test) {
+    for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+      const AivProxy& proxy = context_.registry[v];
+      if (v != observer && proxy.here() && !proxy.augmented() && test(*proxy.twin())) return true;
+    }
+    return false;
+  };
+  // The reported poses of all vehicles first: most echoes are found there, and extrapolating a twin costs more.
+  return any_other([&](auto entity) {
+           const Twin& twin = context_.simulator.twin(entity);
+           const MotionReport& report = twin.last_report();
+           const double since_m = twin.speed_mps() * std::max(0.0, to_seconds(report.at - detected_at));
+           return report.on_map && (touches(report.X_MB) || touches(report.X_MB * Pose2{-since_m, 0.0, 0.0}));
+         }) ||
+         any_other([&](auto entity) { return touches(context_.simulator.image(entity, context_.now).X_MB); });
 }
 
 void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {

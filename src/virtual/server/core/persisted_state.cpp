@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
 constexpr SimDuration persist_period{std::chrono::seconds{1}};
-constexpr std::size_t names_max = Registry::vehicles_max;
 constexpr double position_m_max = 1e5;
 
 /// Nanoseconds do not fit a JSON number.
@@ -152,9 +152,11 @@ void PersistedState::restore_world(const JsonValue& state) {
     else
       context_.publisher.log('w', "a persisted virtual AIV cannot be read; it is skipped");
   });
-  each("paused", names_max, [&](const JsonValue& json) {
+  each("paused", context_.registry.vehicles_max(), [&](const JsonValue& json) {
     if (json.text() != nullptr) vehicles_.restore_pause(*json.text());
   });
 }
+
+void PersistedState::archive(Archive& archive) { archive(persisted_, due_at_); }
 
 }  // namespace cosiva::virtual_side

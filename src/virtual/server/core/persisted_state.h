@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
@@ -28,6 +29,7 @@ class PersistedState {
   void restore(std::string_view bytes);
   /// After each input.
   void persist_if_stale();
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] std::string to_json() const;

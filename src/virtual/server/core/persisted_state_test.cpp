@@ -18,7 +18,7 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 /// What the server would restore if it were killed now.
-std::string& state_file(ServerFixture& fixture) { return fixture.memory; }
+std::string& state_file(ServerFixture& fixture) { return fixture.persisted; }
 
 const std::string edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 

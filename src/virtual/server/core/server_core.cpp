@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/context/server_parts.h"
@@ -18,11 +19,19 @@
 #include "cosiva/virtual/server/core/vehicle_reports.h"
 #include "cosiva/virtual/server/core/virtual_world.h"
 #include "cosiva/virtual/server/core/zone_session.h"
+#include "cosiva/wire/runtime/snapshot.h"
 
 namespace cosiva::virtual_side {
 namespace {
 
+constexpr std::string_view core_name = "server";
 constexpr SimDuration earlier_commands_wait_max{std::chrono::seconds{5}};
+
+std::uint64_t digest_of(const ServerOptions& options) {
+  Digest digest;
+  digest.add(std::string_view{to_json(options)});
+  return digest.value();
+}
 
 }  // namespace
 
@@ -48,25 +57,44 @@ struct ServerCore::Impl {
   };
   Beginning beginning{};
 
+  void archive(Archive& archive);
   void on_command(const wire::Input& input);
   void on_tick();
   void drive();
   void account_for_cycle();
 };
 
+/// What follows from the options is not stored. The zone comes before everything that refers to its waypoint graph.
+void ServerCore::Impl::archive(Archive& archive) {
+  ServerContext& context = parts.context;
+  archive(context.now, context.link, context.areas, context.traces, context.publisher, context.registry,
+          context.simulator, context.state_stale, context.messages_refused);
+  UnknownSenders& unknown = context.unknown_senders;
+  archive(unknown.logged, unknown.logged_at, unknown.unlogged, unknown.excess, unknown.excess_at);
+  archive(zones);
+  MasterControl& master = parts.master;
+  archive(master.traffic, master.actions, master.missions, master.persisted_missions, master.orders, master.deadlocks,
+          master.maps, master.intentions, master.commands, master.enforcer);
+  AugmentedParts& augmented = parts.augmented;
+  archive(augmented.hosted, augmented.pauses, augmented.virtual_obstacles);
+  archive(parts.instruments.batteries, parts.instruments.gvs);
+  archive(vehicles, world, persisted, ticked_at, beginning.at, beginning.takes_earlier_commands);
+}
+
 void ServerCore::Impl::on_command(const wire::Input& input) {
   const std::string_view from = input.source.empty() ? std::string_view{"operator"} : std::string_view{input.source};
   parts.context.traces.add(input.at, from, "AIV_Server", "command", input.payload, {}, input.payload);
   // An input from a journal, a scenario or the command line is text only.
   const auto* decoded = dynamic_cast<const DecodedCommand*>(input.typed.get());
-  if (decoded != nullptr) return router.run(*decoded);
-  router.run(DecodedCommand{input.payload});
+  if (decoded != nullptr) return router.run(*decoded, input.flag);
+  router.run(DecodedCommand{input.payload}, input.flag);
 }
 
 void ServerCore::Impl::on_tick() {
   ServerContext& context = parts.context;
   broker.send_heartbeat();
   parts.augmented.hosted.tick(context.now);
+  vehicles.remove_expired();
   zones.take_waiting();
   broker.synchronise_if_due();
   if (context.link.synchronised()) drive();
@@ -125,7 +153,8 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::bytes:
     case wire::InputKind::port: break;  // the options are given at construction, and the server has no streams
     case wire::InputKind::proposal:
-    case wire::InputKind::persisted: break;  // of a store, which gives them to no core
+    case wire::InputKind::persisted:
+    case wire::InputKind::snapshot: break;  // of a store, which gives them to no core
   }
   impl.persisted.persist_if_stale();
   impl.beginning.takes_earlier_commands = impl.beginning.takes_earlier_commands ||
@@ -136,6 +165,7 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
 
 std::vector<std::string> ServerCore::subscriptions() const { return impl_->broker.subscriptions(); }
 std::optional<wire::Will> ServerCore::will() const { return impl_->broker.will(); }
+bool ServerCore::takes_earlier_commands() const { return impl_->beginning.takes_earlier_commands; }
 void ServerCore::farewell(SimTime now, wire::Effects& effects) { impl_->broker.farewell(now, effects); }
 
 void ServerCore::fold(Digest& digest) const {
@@ -155,6 +185,7 @@ void ServerCore::fold(Digest& digest) const {
     digest.add(proxy.counters.missed());
     digest.add(proxy.counters.refused());
     digest.add(proxy.counters.outdated());
+    if (proxy.counters.dropped() > 0) digest.add(proxy.counters.dropped());
     digest.add(static_cast<std::int64_t>(proxy.settings.priority()));
     digest.add(static_cast<std::uint64_t>(proxy.retired()) * 2 +
                static_cast<std::uint64_t>(proxy.settings.paused_for_body()));
@@ -168,7 +199,43 @@ void ServerCore::fold(Digest& digest) const {
   digest.add(context.traces.next());
 }
 
-bool ServerCore::takes_earlier_commands() const { return impl_->beginning.takes_earlier_commands; }
+std::map<std::string, std::string> snapshot_layout(const ServerCore& server) {
+  std::string bytes;
+  Archive::Layout layout;
+  Archive archive{bytes, layout};
+  archive(*server.impl_);
+  return layout;
+}
+
+Result<std::string> ServerCore::snapshot() const {
+  std::string content;
+  Archive archive{content};
+  archive(*impl_);
+  if (const auto stored = archive.finish(); !stored) return fail("snapshot.unsupported", stored.error().message);
+  Digest state;
+  fold(state);
+  const std::uint64_t options = digest_of(impl_->parts.context.options);
+  return wire::Snapshot{{std::string(core_name), snapshot_format, options, state.value()}, std::move(content)}.text();
+}
+
+Result<void> ServerCore::continue_from(std::string_view bytes) {
+  if (impl_->beginning.at) return fail("snapshot.late", "the server has taken inputs already");
+  const ServerOptions& options = impl_->parts.context.options;
+  const auto snapshot = wire::Snapshot::read(bytes);
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  if (auto fits = snapshot->check(core_name, snapshot_format, digest_of(options)); !fits) return fits;
+  ServerCore other{options};
+  Archive archive{std::string_view{snapshot->content()}};
+  zone::provide_rtm(archive, options.rtm);
+  archive(*other.impl_);
+  if (const auto whole = archive.finish(); !whole) return fail("snapshot.damaged", whole.error().message);
+  Digest state;
+  other.fold(state);
+  if (state.value() != snapshot->head().state)
+    return fail("snapshot.state", "the state of the snapshot has another digest than the server that made it");
+  impl_ = std::move(other.impl_);
+  return {};
+}
 
 SimDuration ServerCore::tick_period() const { return impl_->parts.context.options.cycle; }
 
@@ -195,6 +262,18 @@ std::string ServerCore::next_virtual_object_id(std::string_view kind) const {
 std::optional<std::string> ServerCore::battery_curve_json(const std::string& vehicle) const {
   return impl_->parts.instruments.batteries.curve_json(vehicle);
 }
+std::vector<wire::StopTarget> ServerCore::stop_targets() const {
+  std::vector<wire::StopTarget> targets;
+  const Registry& registry = impl_->parts.context.registry;
+  for (const AivProxy& proxy : registry) {
+    if (proxy.retired() || proxy.augmented() || proxy.membership.handed_over()) continue;
+    targets.push_back({proxy.name(), proxy.id(), proxy.identity.actions_topic(),
+                       wire::vda_topic(proxy.id(), "state", registry.interface_name()), proxy.received.version(),
+                       impl_->parts.master.intentions.of(proxy.name()).stopped});
+  }
+  return targets;
+}
+
 std::shared_ptr<const zone::TrafficZone> ServerCore::zone() const { return impl_->parts.context.simulator.zone(); }
 
 std::optional<zone::ZoneConfiguration> ServerCore::zone_configuration() const {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/base/json_writer.h"
@@ -11,6 +13,7 @@
 #include "cosiva/virtual/server/commands/values/decoded_command.h"
 #include "cosiva/virtual/server/context/server_options.h"
 #include "cosiva/virtual/server/view/frames.h"
+#include "cosiva/wire/messages/stop_target.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"
 
@@ -29,7 +32,9 @@ namespace cosiva::virtual_side {
 /// - missions: {"command":"go","vehicle":"CoSiVA/AIV1","to":"dock"} (a station or waypoint),
 ///   {"command":"circulate","vehicle":…|"*","loop":"outer"?}, {"command":"close","section":"east"},
 ///   {"command":"open",…}
-/// - {"command":"switch","zone":{"format","origin","text","sidecar"?}}: another zone, while vehicles drive
+/// - {"command":"switch","zone":{"format","origin","text","sidecar"?}}: another zone, while vehicles drive;
+///   {"command":"switch","refused":{"origin","code","message","location"}}: the sender could not build the zone, whose
+///   text may be long; the reason is shown
 /// - virtual objects (A3):
 ///   {"command":"add","virtualObject":{"id":"V1","kind":"aiv","section","s"|"x","y"}},
 ///   {"command":"add","virtualObject":{"id":"P1","kind":"person"|"obstacle","x","y","radius"?,
@@ -50,12 +55,20 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] SimDuration tick_period() const override;
   [[nodiscard]] std::vector<std::string> subscriptions() const override;
   [[nodiscard]] std::optional<wire::Will> will() const override;
+  /// Once the zone and the vehicles are known again, or have not shown for 5 s.
+  [[nodiscard]] bool takes_earlier_commands() const override;
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
+  /// Number of the format of snapshot(): increases with every change of what the server's classes store.
+  static constexpr std::uint32_t snapshot_format = 1;
+  /// Digest of snapshot_layout() in this format: a test compares, so that no change of the members is overlooked.
+  static constexpr std::string_view snapshot_layout_digest = "ecbbdc3371099f79";
+  /// Which types a snapshot stores, and the types of their members: of a server with physical and virtual AIVs the same
+  /// in every state.
+  friend std::map<std::string, std::string> snapshot_layout(const ServerCore& server);
+  [[nodiscard]] Result<std::string> snapshot() const override;
+  [[nodiscard]] Result<void> continue_from(std::string_view snapshot) override;
 
-  /// Whether commands that an earlier process accepted can be executed: zone and vehicles are known, or have not
-  /// appeared within 5 s.
-  [[nodiscard]] bool takes_earlier_commands() const;
   /// Checks a command without running it, for an immediate response to the sender.
   [[nodiscard]] Result<void> check_command(const DecodedCommand& command) const;
 
@@ -92,6 +105,8 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::string next_virtual_object_id(std::string_view kind) const;
   /// "c12": the id of the next command to vehicles that has none of its own; the caller may give the command this id.
   [[nodiscard]] std::string next_command_id() const;
+  /// The vehicles that a Stop can be published to without this core: those of this server, without the virtual ones.
+  [[nodiscard]] std::vector<wire::StopTarget> stop_targets() const;
   /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.
   [[nodiscard]] std::optional<zone::ZoneConfiguration> zone_configuration() const;
   /// The zone itself; null while there is none.

@@ -130,6 +130,24 @@ TEST(ServerCore, registers_a_vehicle_at_its_first_message_and_shows_its_twin_at_
   EXPECT_THAT(kinds(fixture, "AIV_Server"), testing::Contains("Simulator.appear"));
 }
 
+TEST(ServerCore, lists_the_vehicles_that_can_be_stopped_without_it) {
+  ServerFixture fixture;
+  fixture.add("AIV1", {0, 0.5});
+  fixture.send_command(R"({"command":"add","virtualObject":{"kind":"aiv"}})");
+  fixture.run_for(3s);
+  auto targets = fixture.server->stop_targets();
+  ASSERT_THAT(targets, SizeIs(1)) << "a virtual AIV drives inside the server";
+  EXPECT_EQ(targets[0].name, "CoSiVA/AIV1");
+  EXPECT_EQ(targets[0].actions_topic, "uagv/v2/CoSiVA/AIV1/instantActions");
+  EXPECT_EQ(targets[0].state_topic, "uagv/v2/CoSiVA/AIV1/state");
+  EXPECT_EQ(targets[0].version, "2.1.0");
+  EXPECT_FALSE(targets[0].latched);
+  fixture.command("stop", "*");
+  EXPECT_TRUE(fixture.server->stop_targets()[0].latched);
+  fixture.command("restart", "CoSiVA/AIV1");
+  EXPECT_FALSE(fixture.server->stop_targets()[0].latched);
+}
+
 TEST(ServerCore, assigns_unique_display_numbers_by_serial_number) {
   ServerFixture fixture;
   for (const auto& [make, serial] : {std::pair{"CoSiVA", "AIV3"}, {"Acme", "truck-3"}, {"Acme", "nameless"}}) {

@@ -124,6 +124,13 @@ std::string ServerView::snapshot_json() const {
       .field("redo", static_cast<std::uint64_t>(zones_.edits().redo_count()))
       .field("unsaved", zones_.edits().unsaved(context_.simulator))
       .end_object();
+  json.key("registry")
+      .begin_object()
+      .field("vehicles", context_.registry.known())
+      .field("max", context_.registry.vehicles_max())
+      .field("refused", context_.unknown_senders.excess)
+      .field("full", refuses_vehicles(context_))
+      .end_object();
   if (context_.areas.several()) context_.areas.write(json.key("area"));
   zones_.write(json);
   json.key("aivs").begin_array();
@@ -146,7 +153,9 @@ std::string ServerView::summary_json() const {
   JsonWriter json;
   context_.simulator.monitor().write(json.begin_object().key("bijection"));
   json.key("aivs").begin_array();
-  for (const AivProxy& proxy : context_.registry) {
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+    if (context_.registry.vacant(v)) continue;
+    const AivProxy& proxy = context_.registry[v];
     const wire::ConnectionState connection = proxy.connection.shown();
     json.begin_object()
         .field("id", proxy.name())
@@ -159,6 +168,7 @@ std::string ServerView::summary_json() const {
         .field("missed", proxy.counters.missed())
         .field("refused", proxy.counters.refused())
         .field("outdated", proxy.counters.outdated())
+        .field("dropped", proxy.counters.dropped())
         .end_object();
   }
   json.end_array();
@@ -179,7 +189,7 @@ ServerCore::PageRevision ServerView::page_revision() const {
   Digest waited_for;
   Digest events;
   add(waited_for, context_.simulator.zone_revision(), zones_.edits().undo_count(), zones_.edits().redo_count(),
-      zones_.edits().unsaved(context_.simulator), master_.deadlocks.revision());
+      zones_.edits().unsaved(context_.simulator), refuses_vehicles(context_), master_.deadlocks.revision());
   for (const Finding& finding : context_.simulator.monitor().findings()) {
     add(waited_for, finding.kind, finding.since.time_since_epoch().count());
     waited_for.add(std::string_view{finding.id});
@@ -200,7 +210,8 @@ void ServerView::add_vehicle(VehicleIndex vehicle, Digest& waited_for, Digest& e
   waited_for.add(std::string_view{augmented_.virtual_obstacles.perceives(vehicle)});
   if (!proxy.state()) return;
   const wire::State& state = *proxy.state();
-  add(waited_for, state.field_violation, state.paused, state.errors.size());
+  add(waited_for, proxy.counters.rate().flooding(context_.now), state.field_violation, state.paused,
+      state.errors.size());
   add(events, proxy.reported_state.last_tag().value_or(0), state.last_node_sequence_id, state.driving);
   events.add(std::string_view{state.last_node_id});
 }

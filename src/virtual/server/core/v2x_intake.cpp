@@ -31,7 +31,7 @@ void V2xIntake::receive(const wire::Input& input) {
   const std::size_t vehicles = context_.registry.size();
   if (!augmented_.hosted.empty()) augmented_.hosted.talk(context_.now, input);
   COSIVA_EXPECT(context_.registry.size() == vehicles);
-  const auto topic = wire::parse_v2x_topic(input.source);
+  const wire::V2xTopic* topic = wire::received_v2x_topic(input.source);
   if (!topic) return;
   // A vehicle that is known only by its V2X messages does not belong to this server.
   const auto vehicle = context_.registry.find(wire::to_string(topic->vehicle));

@@ -2,12 +2,20 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
+namespace {
+
+constexpr SimDuration expiry_period{std::chrono::seconds{1}};
+
+}  // namespace
 
 std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::VehicleId& id) {
   Registry& registry = context_.registry;
+  if (registry.full())
+    if (const auto unused = registry.removable()) remove(*unused);
   const auto index = registry.add(id, context_.now);
   if (!index) return std::nullopt;
   COSIVA_EXPECT(*index < registry.size());
@@ -25,7 +33,7 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
   if (proxy.augmented())
     proxy.membership.on_retired();
   else
-    proxy.twin_link.on_monitored(context_.simulator.monitor().entity(proxy.name()));
+    proxy.twin_link.on_monitored(entity_for(proxy.name()));
   if (std::erase(restored_pauses_, proxy.name()) > 0) {
     proxy.settings.on_body_in_path();
     augmented_.virtual_obstacles.wake();
@@ -33,6 +41,15 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
   context_.publisher.log('i',
                          proxy.name() + ": registered with display number " + std::to_string(proxy.identity.number()));
   return index;
+}
+
+BijectionMonitor::Entity VehicleLifecycle::entity_for(const std::string& name) {
+  std::optional<BijectionMonitor::Entity> spare;
+  if (!spare_entities_.empty()) {
+    spare = spare_entities_.back();
+    spare_entities_.pop_back();
+  }
+  return context_.simulator.monitor().entity(name, spare);
 }
 
 std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& id) {
@@ -78,6 +95,28 @@ void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
   COSIVA_EXPECT(!master_.orders.has_order(vehicle));
 }
 
+void VehicleLifecycle::remove_expired() {
+  const SimDuration after = context_.options.entries_expire_after;
+  if (after == SimDuration::zero() || context_.now - expiry_checked_at_ < expiry_period) return;
+  expiry_checked_at_ = context_.now;
+  const Registry& registry = context_.registry;
+  for (VehicleIndex v = 0; v < registry.size(); ++v) {
+    if (registry.vacant(v) || !registry[v].unconfirmed()) continue;
+    if (context_.now - registry[v].membership.last_received() < after) continue;
+    context_.publisher.log('i', registry[v].name() + ": removed, as it never proved to be a vehicle");
+    remove(v);
+  }
+}
+
+void VehicleLifecycle::remove(VehicleIndex vehicle) {
+  AivProxy& proxy = context_.registry[vehicle];
+  COSIVA_EXPECT(proxy.unconfirmed());
+  master_.persisted_missions.removed(vehicle);
+  retire(vehicle, proxy.name() + " never proved to be a vehicle");
+  spare_entities_.push_back(proxy.twin_link.entity());
+  context_.registry.remove(vehicle);
+}
+
 void VehicleLifecycle::apply_priorities() {
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) apply_priority(v);
 }
@@ -93,5 +132,7 @@ void VehicleLifecycle::renew_mission(VehicleIndex vehicle) {
   master_.missions.forget(vehicle);
   master_.persisted_missions.registered(vehicle);
 }
+
+void VehicleLifecycle::archive(Archive& archive) { archive(restored_pauses_, expiry_checked_at_, spare_entities_); }
 
 }  // namespace cosiva::virtual_side

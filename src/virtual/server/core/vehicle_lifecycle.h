@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -19,7 +20,8 @@ class VehicleLifecycle {
   VehicleLifecycle(ServerContext& context, MasterControl& master, AugmentedParts& augmented)
       : context_{context}, master_{master}, augmented_{augmented} {}
 
-  /// Registers a vehicle whose first message was received. Nothing: the server accepts no more vehicles.
+  /// Registers a vehicle whose first message was received. Where the registry is full, an entry that never sent a state
+  /// makes room. Nothing: the server accepts no more vehicles.
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
   /// Registers a vehicle, or renews one that was retired: from now on the server drives the vehicle. Nothing: the
   /// server accepts no more vehicles.
@@ -28,19 +30,30 @@ class VehicleLifecycle {
   /// @param reason  of the failure of its open commands
   void retire(VehicleIndex vehicle, const std::string& reason);
 
+  /// Removes the entries that never proved to be a vehicle and have sent nothing for
+  /// ServerOptions::entries_expire_after. A twin stays for as long as the server runs.
+  void remove_expired();
+
   /// Gives each vehicle the priority that the zone in force gives its name.
   void apply_priorities();
   /// The vehicle of this name was paused for a virtual body when the state file was written.
   void restore_pause(std::string name) { restored_pauses_.push_back(std::move(name)); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
+  /// Removes an entry that is no vehicle (checked).
+  void remove(VehicleIndex vehicle);
   void apply_priority(VehicleIndex vehicle);
+  /// The entity of a vehicle in the bijection monitor.
+  [[nodiscard]] BijectionMonitor::Entity entity_for(const std::string& name);
   void renew_mission(VehicleIndex vehicle);
 
   ServerContext& context_;
   MasterControl& master_;
   AugmentedParts& augmented_;
-  std::vector<std::string> restored_pauses_;  ///< of vehicles that are not registered yet
+  SimTime expiry_checked_at_{};
+  std::vector<BijectionMonitor::Entity> spare_entities_;  ///< of removed entries
+  std::vector<std::string> restored_pauses_;              ///< of vehicles that are not registered yet
 };
 
 }  // namespace cosiva::virtual_side

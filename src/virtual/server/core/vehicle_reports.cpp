@@ -43,17 +43,20 @@ std::optional<Registry::Address> VehicleReports::address_of(const std::string& t
   else if (!wire::valid_serial_number(parsed->vehicle.serial_number) ||
            !wire::valid_serial_number(parsed->vehicle.manufacturer))
     fault = "has a name with characters that VDA 5050 does not permit";
-  if (fault.empty()) {
-    if (const auto index = vehicles_.register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
-    fault = "exceeds the limit of " + std::to_string(Registry::vehicles_max) + " vehicles of a server";
+  if (!fault.empty()) {
+    refuse_unknown_sender(context_, topic, "it " + fault);
+    return std::nullopt;
   }
-  refuse_unknown_sender(context_, topic, "it " + fault);
+  if (const auto index = vehicles_.register_vehicle(parsed->vehicle)) return Registry::Address{*index, *kind};
+  refuse_excess_vehicle(context_, wire::to_string(parsed->vehicle));
   return std::nullopt;
 }
 
 void VehicleReports::receive(Registry::Address address, const wire::Input& input) {
   AivProxy& proxy = context_.registry[address.vehicle];
   proxy.counters.on_message();
+  proxy.membership.on_message(context_.now);
+  if (floods(proxy)) return;
   if (proxy.retired()) return on_retired(proxy, address.topic, input);
   const bool moving = address.topic != VehicleTopic::connection && address.topic != VehicleTopic::factsheet;
   if (input.flag && moving) {
@@ -73,6 +76,19 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
     case VehicleTopic::detected: own_.on_detected(address.vehicle, input); break;
     case VehicleTopic::boards: own_.on_boards(address.vehicle, input); break;
   }
+}
+
+bool VehicleReports::floods(AivProxy& proxy) {
+  if (proxy.augmented()) return false;
+  const double per_s_max = context_.options.vehicle_messages_per_s_max;
+  const MessageRate::Decision decision = proxy.counters.rate().on_message(context_.now, per_s_max);
+  if (decision == MessageRate::Decision::accepted) return false;
+  proxy.counters.on_dropped();
+  if (decision == MessageRate::Decision::flood_begins)
+    context_.publisher.log('w', proxy.name() + ": sends more than its limit of " +
+                                    std::to_string(std::lround(proxy.counters.rate().limit_per_s(per_s_max))) +
+                                    " messages per second; the excess is dropped and counted");
+  return true;
 }
 
 void VehicleReports::on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input) {
@@ -113,6 +129,9 @@ void VehicleReports::on_factsheet(VehicleIndex vehicle, const wire::Input& input
   context_.traces.add(context_.now, proxy.name(), "AIV_Server", "factsheet",
                       message->series_name + ", " + std::to_string(message->actions.size()) + " actions", input.source,
                       input.payload);
+  const auto per_s = [](double interval_s) { return interval_s > 0.0 ? 1.0 / interval_s : 0.0; };
+  proxy.counters.rate().on_announced(per_s(message->default_state_interval_s) +
+                                     per_s(message->visualization_interval_s));
   proxy.factsheet.on_factsheet(std::move(*message));
 }
 

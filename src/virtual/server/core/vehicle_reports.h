@@ -39,6 +39,8 @@ class VehicleReports {
  private:
   /// Registers the vehicle where the topic is its first one.
   [[nodiscard]] std::optional<Registry::Address> address_of(const std::string& topic);
+  /// Drops a message that exceeds the vehicle's rate.
+  [[nodiscard]] bool floods(AivProxy& proxy);
   void on_retired(AivProxy& proxy, VehicleTopic topic, const wire::Input& input);
   void on_connection(VehicleIndex vehicle, const wire::Input& input);
   void on_factsheet(VehicleIndex vehicle, const wire::Input& input);

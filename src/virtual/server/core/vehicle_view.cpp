@@ -100,6 +100,7 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
   write_pose_and_mission(json, vehicle, image, speed_mps);
   json.field("age_ms", std::max(0.0, to_milliseconds_scaled(context_.now - proxy.reports.reported_at())))
       .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin()));
+  json.field("dropped", proxy.counters.dropped());
   write_agent(json, vehicle, lost);
   write_reserved(json, vehicle);
   if (proxy.on_board.boards()) write_boards(json, *proxy.on_board.boards());
@@ -165,6 +166,11 @@ void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost)
   for (const wire::VehicleError& error : state.errors)
     json.value(error.description.empty() ? error.type : error.type + ": " + error.description);
   if (proxy.clock.is_off()) json.value("clock: off by " + std::to_string(proxy.clock.off_s()) + " s");
+  if (proxy.counters.rate().flooding(context_.now))
+    json.value(
+        "flood: more than " +
+        std::to_string(std::lround(proxy.counters.rate().limit_per_s(context_.options.vehicle_messages_per_s_max))) +
+        " messages per second; the excess is dropped");
   if (const std::string why = zones_.change().off_route(vehicle); !why.empty()) json.value("off-route: it " + why);
   json.end_array();
 }

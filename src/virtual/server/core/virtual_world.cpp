@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -151,5 +152,7 @@ void VirtualWorld::remove_passed_obstacles() {
                         "an obstacle is removed: the vehicle drove over its position");
   }
 }
+
+void VirtualWorld::archive(Archive& archive) { archive(restored_); }
 
 }  // namespace cosiva::virtual_side

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -43,6 +44,7 @@ class VirtualWorld {
   [[nodiscard]] std::size_t restored_count() const { return restored_.size(); }
   /// The state file's "aivs".
   void write_state(JsonWriter& json) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   bool add_aiv(const std::string& serial, zone::TrackPosition position);

@@ -20,7 +20,7 @@ using testing::SizeIs;
 /// The objects that operators add to the oval, and those that a state file restores.
 class Objects : public testing::Test {
  protected:
-  std::string& persisted() { return fixture.memory; }
+  std::string& persisted() { return fixture.persisted; }
   void add(const std::string& object) { fixture.send_command(R"({"command":"add","virtualObject":{)" + object + "}}"); }
   void remove(const std::string& id) { fixture.send_command(R"({"command":"remove","id":")" + id + "\"}"); }
   void restart_with_aivs(const std::string& aivs) {
@@ -150,10 +150,10 @@ TEST_F(Objects, that_wait_to_be_restored_are_not_added_twice) {
 
 TEST_F(Objects, that_cannot_be_restored_are_logged_and_persist_no_longer) {
   restart_with_aivs(R"({"id":"V1","section":"north","s":0.3})");
-  for (std::size_t i = 0; i < Registry::vehicles_max; ++i) {
-    const std::string serial = "n" + std::to_string(i);
-    const wire::Connection offline{{0, fixture.now, "2.1.0", "Acme", serial}, wire::ConnectionState::offline};
-    fixture.feed(wire::InputKind::message, "uagv/v2/Acme/" + serial + "/connection", vda::encode(offline));
+  for (std::size_t i = 0; i < Registry::vehicles_max_default; ++i) {
+    wire::State state;
+    state.header = {0, fixture.now, "2.1.0", "Acme", "n" + std::to_string(i)};
+    fixture.feed(wire::InputKind::message, "uagv/v2/Acme/" + state.header.serial_number + "/state", vda::encode(state));
   }
   fixture.run_for(320ms);
   EXPECT_TRUE(fixture.logged("virtual AIV V1 cannot be restored, as no section has room for it; add it again"));

@@ -1,7 +1,9 @@
 #include "cosiva/virtual/server/core/zone_change.h"
 
+#include <optional>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -73,13 +75,17 @@ void ZoneChange::follow() {
 }
 
 void ZoneChange::deploy_map() {
-  const MapDeployment::Map wanted{map_->zone().name, zone::version_of(*context_.simulator.configuration()),
-                                  context_.options.map_download_link};
+  // The version is a digest of the whole file, and almost never wanted.
+  std::optional<MapDeployment::Map> wanted;
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
     const AivProxy& proxy = context_.registry[v];
-    if (context_.options.drive && !proxy.is_cosiva() && proxy.here() && !proxy.position.map_id().empty() &&
-        proxy.position.map_id() != wanted.id)
-      master_.maps.step(v, wanted);
+    if (!context_.options.drive || proxy.is_cosiva() || !proxy.here() || proxy.position.map_id().empty() ||
+        proxy.position.map_id() == map_->zone().name)
+      continue;
+    if (!wanted)
+      wanted = {map_->zone().name, zone::version_of(*context_.simulator.configuration()),
+                context_.options.map_download_link};
+    master_.maps.step(v, *wanted);
   }
 }
 
@@ -130,5 +136,7 @@ void ZoneChange::write(JsonWriter& json) const {
   for (const std::string& name : last_->off_route) json.value(name);
   json.end_array().end_object();
 }
+
+void ZoneChange::archive(Archive& archive) { archive(last_); }
 
 }  // namespace cosiva::virtual_side

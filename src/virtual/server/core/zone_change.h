@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/context/master_control.h"
@@ -35,6 +36,7 @@ class ZoneChange {
   [[nodiscard]] std::string off_route(VehicleIndex vehicle) const;
   /// The snapshot's "switched".
   void write(JsonWriter& json) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// The last switch of the zone while vehicles were present.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -21,7 +22,11 @@ void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source s
   }
   const zone::ZoneConfiguration* had = context_.simulator.configuration();
   const bool in_force = had != nullptr && same_content(*had, configuration);
-  if (in_force || arrival != ZoneEdits::Arrival::news) confirmed_ = confirmed_ || source == Source::retained;
+  // What waits was retained before this server published the zone that it receives here.
+  const bool outdates_waiting = waiting_ && arrival == ZoneEdits::Arrival::echo;
+  if (outdates_waiting && waiting_->format == configuration.format) waiting_.reset();
+  const bool confirms = source == Source::retained && (in_force || arrival != ZoneEdits::Arrival::news);
+  confirmed_ = confirmed_ || confirms || outdates_waiting;
   switch (arrival) {
     case ZoneEdits::Arrival::echo: return;
     case ZoneEdits::Arrival::stale:
@@ -159,7 +164,7 @@ Result<void> ZoneSession::check(const SwitchCommand& command) const {
   if (context_.simulator.configuration() != nullptr && same_content(*context_.simulator.configuration(), command.zone))
     return fail("switch.same", "this zone is in force already", "zone");
   // Every program has to be able to build what the server publishes.
-  if (auto rtm = context_.simulator.build(command.zone); !rtm) return tl::unexpected(rtm.error());
+  if (auto rtm = context_.simulator.build(command.zone, command.built); !rtm) return tl::unexpected(rtm.error());
   return {};
 }
 
@@ -225,6 +230,16 @@ void ZoneSession::write(JsonWriter& json) const {
   }
   change_.write(json.key("switched"));
   json.end_object();
+}
+
+void ZoneSession::archive(Archive& archive) {
+  bool has_map = map_.has_value();
+  archive(has_map);
+  if (archive.reads() && !archive.failed()) {
+    if (has_map != (context_.simulator.zone() != nullptr)) return archive.fail("a waypoint graph without its zone");
+    if (has_map) notify_all(&map_.emplace(context_.simulator.zone()));
+  }
+  archive(change_, edits_, refused_, switched_here_, waiting_, confirmed_, restored_zone_, restored_given_);
 }
 
 }  // namespace cosiva::virtual_side

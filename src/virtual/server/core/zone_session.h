@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
@@ -71,6 +72,9 @@ class ZoneSession {
   [[nodiscard]] const ZoneEdits& edits() const { return edits_; }
   /// The snapshot's "zone".
   void write(JsonWriter& json) const;
+  /// The state, for a snapshot. Reading it makes the waypoint graph of the simulator's zone and gives it to all parts,
+  /// which have to read their own state afterwards.
+  void archive(Archive& archive);
 
  private:
   struct Refused {
@@ -98,7 +102,7 @@ class ZoneSession {
   bool switched_here_{false};  ///< the zone in force was set by a command: no other program serves it
   /// Retained configurations of a new connection: each waits until all of them have been received.
   std::optional<zone::ZoneConfiguration> waiting_;
-  bool confirmed_{false};  ///< the zone in force is among the retained ones
+  bool confirmed_{false};  ///< the zone in force is among the retained ones, or newer
   std::optional<JsonValue> restored_zone_;
   std::optional<zone::ZoneConfiguration> restored_given_;
 };

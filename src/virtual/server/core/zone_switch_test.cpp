@@ -345,6 +345,24 @@ TEST(RtmBuilds, happen_once_in_a_switch_also_where_it_is_checked_first_and_virtu
   EXPECT_EQ(zone_of(fixture).text("name"), "yard");
 }
 
+TEST(RtmBuilds, do_not_happen_in_a_switch_whose_sender_has_built_the_zone) {
+  ServerFixture fixture;
+  const auto send_built = [&](const zone::ZoneConfiguration& configuration) {
+    const std::string command = switch_to(configuration);
+    const auto decoded = std::make_shared<const DecodedCommand>(command, DecodedCommand::Zone::built);
+    EXPECT_EQ(builds_during([&] {
+                fixture.feed(wire::InputKind::command, "test", command, false, decoded);
+                fixture.run_for(1s);
+              }),
+              0U);
+  };
+  send_built(moved_oval("yard", "0.1"));
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  send_built({"toml", "bad.toml", "name = 7"});
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  EXPECT_EQ(zone_of(fixture).find("refused")->text("origin"), "bad.toml");
+}
+
 TEST(RtmBuilds, happen_once_for_a_zone_from_the_broker_also_where_it_cannot_be_used) {
   ServerFixture fixture;
   EXPECT_EQ(builds_during([&] {
@@ -377,7 +395,7 @@ TEST(RtmBuilds, happen_once_in_an_edit_also_where_it_is_checked_first) {
 const std::string tag_edit = R"({"command":"edit","edit":{"addTags":[{"number":5,"section":"south","s":1.0}]}})";
 
 /// What the server would restore if it were killed now.
-std::string& written_state(ServerFixture& fixture) { return fixture.memory; }
+std::string& written_state(ServerFixture& fixture) { return fixture.persisted; }
 void relink(ServerFixture& fixture) {
   fixture.feed(wire::InputKind::link, "", "down");
   fixture.feed(wire::InputKind::link, "", "up");
@@ -449,6 +467,24 @@ TEST(RetainedZones, that_are_the_edited_zone_or_its_original_confirm_the_edited_
     EXPECT_EQ(fixture.server->zone_configuration()->text, edited.text) << original;
     EXPECT_TRUE(fixture.logged("the broker retains another zone besides the one in force, on cosiva/v1/zone/toml"));
   }
+}
+
+TEST(RetainedZones, do_not_replace_the_zone_that_an_operator_chose_while_the_broker_was_dead) {
+  ServerFixture fixture;
+  const zone::ZoneConfiguration yard = moved_oval("yard", "0.1");
+  fixture.feed(wire::InputKind::link, "", "down");
+  fixture.send_command(switch_to(yard));
+  // A broker sends what it retained before the zone that it receives from the server.
+  const auto handle = [&](wire::InputKind kind, const std::string& source, std::string payload, bool retained = false) {
+    wire::Effects effects;
+    fixture.server->handle({fixture.now, kind, source, std::move(payload), retained}, effects);
+  };
+  handle(wire::InputKind::link, "", "up");
+  handle(wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true);
+  handle(wire::InputKind::message, "cosiva/v1/zone/toml", yard.text);
+  tick_after(fixture, 300ms);
+  EXPECT_EQ(zone_of(fixture).text("name"), "yard");
+  EXPECT_FALSE(fixture.logged("retains another zone")) << "the server's zone has replaced it";
 }
 
 TEST(RetainedZones, that_wait_are_dropped_when_an_operator_switches_to_another_one) {

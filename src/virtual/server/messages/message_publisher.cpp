@@ -5,6 +5,7 @@
 #include <charconv>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/vda5050/codec.h"
@@ -105,7 +106,8 @@ InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, Veh
   message.actions = std::move(actions);
   const std::string stem = unique_id("A", publisher_.now()) + "-" + std::to_string(handle);
   for (std::size_t i = 0; i < message.actions.size(); ++i) {
-    message.actions[i].action_id = i == 0 ? stem : stem + "." + std::to_string(i);
+    std::string& id = message.actions[i].action_id;
+    if (id.empty()) id = i == 0 ? stem : stem + "." + std::to_string(i);
     pending_action.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
   }
   publisher_.send(proxy, message);
@@ -151,5 +153,9 @@ void InstantActionSender::tick(Registry& registry, bool link_up) {
   }
   std::erase_if(pending_, [now](const PendingAction& l) { return !l.kept && now >= l.until; });
 }
+
+void MessagePublisher::archive(Archive& archive) { archive(now_); }
+
+void InstantActionSender::archive(Archive& archive) { archive(pending_, last_handle_); }
 
 }  // namespace cosiva::virtual_side

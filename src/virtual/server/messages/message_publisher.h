@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/registry/registry.h"
@@ -47,6 +48,7 @@ class MessagePublisher {
   void persist(std::string bytes);
 
   [[nodiscard]] SimTime now() const { return now_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
@@ -93,7 +95,7 @@ class InstantActionSender {
     [[nodiscard]] bool acknowledged() const;
   };
 
-  /// Assigns an id to every action and sends all actions in one message.
+  /// Assigns an id to every action that has none, and sends all actions in one message.
   /// @param timeout  how long the message is repeated; zero: sent only once
   /// @param keep     the caller follows the action and drops it
   ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout,
@@ -104,6 +106,7 @@ class InstantActionSender {
   /// The vehicle has been removed: nothing more is sent to it.
   void forget(VehicleIndex vehicle);
   void tick(Registry& registry, bool link_up);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   MessagePublisher& publisher_;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 
@@ -143,5 +144,7 @@ std::optional<std::string> Traces::one_json(std::uint64_t n) const {
   json.end_object();
   return json.take();
 }
+
+void Traces::archive(Archive& archive) { archive(buffer_, next_, raw_buffer_, raw_end_); }
 
 }  // namespace cosiva::virtual_side

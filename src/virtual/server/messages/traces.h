@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
@@ -46,6 +47,7 @@ class Traces {
   /// {"n","time_ms","from","to","kind","topic","content","raw"}; topic is empty for a trace without a message, raw is
   /// null where the text was too long or has been overwritten. Nothing where no trace of this number is stored.
   [[nodiscard]] std::optional<std::string> one_json(std::uint64_t n) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Trace {

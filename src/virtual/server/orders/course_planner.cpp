@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -204,5 +205,7 @@ const WaypointGraph::Stretch* CoursePlanner::next_stretch(VehicleIndex vehicle, 
   const WaypointGraph::Stretch* stretch = context_.map->along(at, Sections{route_}.subspan(passed));
   return stretch != nullptr && stretch->sections.size() <= route_.size() - passed ? stretch : nullptr;
 }
+
+void CoursePlanner::archive(Archive& archive) { archive(vehicles_, route_); }
 
 }  // namespace cosiva::virtual_side

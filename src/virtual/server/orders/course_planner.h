@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/virtual/server/orders/order_context.h"
 #include "cosiva/virtual/server/orders/order_session.h"
 #include "cosiva/virtual/server/orders/path_positions.h"
@@ -49,6 +50,7 @@ class CoursePlanner {
   /// The stretch of the route from `at`, which is `passed` sections into it; null: the route ends there. The route is
   /// made longer as the mission permits.
   [[nodiscard]] const WaypointGraph::Stretch* next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void set_course(VehicleIndex vehicle, zone::Course course);

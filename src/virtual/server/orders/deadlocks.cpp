@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/right_of_way/convoys.h"
 
@@ -264,5 +265,7 @@ void Deadlocks::fold(Digest& digest) const {
   digest.add(counters_.detected);
   digest.add(counters_.resolved);
 }
+
+void Deadlocks::archive(Archive& archive) { archive(graph_, forming_, list_, counters_, revision_); }
 
 }  // namespace cosiva::virtual_side

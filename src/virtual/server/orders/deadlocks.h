@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -88,6 +89,7 @@ class Deadlocks {
   /// Increases with every change that the HMI shows.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   static constexpr std::size_t kept_max = 20;  ///< of resolved deadlocks

@@ -6,6 +6,7 @@
 
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -191,5 +192,7 @@ std::optional<zone::TrackPosition> LineJoin::comes_onto_line_at(VehicleIndex veh
   const auto entry_point = zone::snap_to_path(context_.map->circuit(), positions_.reported(vehicle).X_MB);
   return entry_point ? std::optional{entry_point->position} : std::nullopt;
 }
+
+void LineJoin::archive(Archive& archive) { archive(vehicles_, neighbours_); }
 
 }  // namespace cosiva::virtual_side

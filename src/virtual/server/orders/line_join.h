@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -47,6 +48,7 @@ class LineJoin {
   /// An off-path vehicle, or one joining the path, that prevents this vehicle from driving from `from_m` to `to_m`
   /// ahead.
   [[nodiscard]] VehicleIndex off_path_obstruction(VehicleIndex vehicle, double from_m, double to_m) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] bool is_free_entry(VehicleIndex vehicle, zone::TrackPosition position, bool drives_on);

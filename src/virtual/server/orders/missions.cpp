@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -218,5 +219,7 @@ void Missions::fold(Digest& digest) const {
   }
   for (const zone::SectionId section : closed_.all()) digest.add(std::uint64_t{section});
 }
+
+void Missions::archive(Archive& archive) { archive(entries_, closed_, for_ever_, revision_); }
 
 }  // namespace cosiva::virtual_side

@@ -7,14 +7,15 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/orders/closed_sections.h"
 #include "cosiva/virtual/server/orders/mission.h"
 #include "cosiva/virtual/server/orders/roaming.h"
 #include "cosiva/virtual/server/registry/registry.h"
+#include "cosiva/virtual/server/right_of_way/closed_sections.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/zone/routing/route.h"
 
@@ -79,6 +80,7 @@ class Missions {
   /// @param waits_for  name of the vehicle stopped at its goal; empty: none
   void write(JsonWriter& json, VehicleIndex vehicle, std::string_view waits_for) const;
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Entry {

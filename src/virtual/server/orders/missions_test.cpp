@@ -27,8 +27,8 @@ using testing::SizeIs;
 std::string go(const std::string& to, const std::string& vehicle = "CoSiVA/AIV1") {
   return R"({"command":"go","vehicle":")" + vehicle + R"(","to":")" + to + "\"}";
 }
-std::string on_section(const std::string& verb, const std::string& section) {
-  return R"({"command":")" + verb + R"(","section":")" + section + "\"}";
+std::string on_section(const std::string& command, const std::string& section) {
+  return R"({"command":")" + command + R"(","section":")" + section + "\"}";
 }
 std::string state_of(const ServerFixture& fixture, const std::string& name = "CoSiVA/AIV1") {
   const JsonValue aiv = fixture.aiv(name);

@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/orders/order_manager.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -121,6 +122,13 @@ void OrderManager::fold(Digest& digest) const {
   digest.add(counters_.orders);
   digest.add(counters_.updates);
   digest.add(counters_.repeated);
+}
+
+void OrderManager::archive(Archive& archive) {
+  const std::size_t vehicles = archive.count(sessions_.size());
+  if (archive.reads()) resize(vehicles);
+  for (OrderSession& session : sessions_) archive(session);
+  archive(context_.lost_after, positions_, records_, joins_, analysis_, planner_, yielding_, counters_);
 }
 
 }  // namespace cosiva::virtual_side

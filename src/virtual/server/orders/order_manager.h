@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -36,8 +37,8 @@ namespace cosiva::virtual_side {
 class OrderManager {
  public:
   OrderManager(Registry& registry, Traffic& traffic, MessagePublisher& publisher, InstantActionSender& action_sender,
-               Missions& missions, Simulator& simulator)
-      : context_{registry, traffic, publisher, action_sender, missions, simulator} {}
+               Missions& missions, Simulator& simulator, const OrderRules& rules = {})
+      : context_{registry, traffic, publisher, action_sender, missions, simulator, rules} {}
   OrderManager(const OrderManager&) = delete;  // the parts refer to each other
   OrderManager& operator=(const OrderManager&) = delete;
 
@@ -89,6 +90,7 @@ class OrderManager {
   };
   [[nodiscard]] const Counters& counters() const { return counters_; }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void adopt(VehicleIndex vehicle, const wire::State& state);

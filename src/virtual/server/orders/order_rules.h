@@ -9,7 +9,7 @@ namespace cosiva::virtual_side {
 
 /// The parameters of order management.
 struct OrderRules {
-  double base_ahead_m{1.2};  ///< maximum distance driven without control when the link breaks
+  double base_reach_m{1.2};  ///< a base is extended until it reaches this far from the vehicle
   std::size_t horizon{4};    ///< nodes announced beyond the base
   std::size_t base_nodes_max{16};
   double deviation_m{0.10};   ///< allowedDeviationXY of every node but the first of a new order
@@ -28,6 +28,8 @@ struct OrderRules {
   SimDuration yield_time_max{std::chrono::seconds{12}};    ///< at most
   double others_left_m{0.5};                               ///< continues when the others have moved this far
   double back_up_m_max{0.5};
+  /// The longest time that a third-party vehicle may drive on after its last report (BaseReach); 0: not limited.
+  SimDuration permitted_time{std::chrono::seconds{2}};
 };
 
 }  // namespace cosiva::virtual_side

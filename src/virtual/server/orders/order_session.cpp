@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -65,6 +66,8 @@ OrderSession::Next OrderSession::follow(const wire::State& state) {
     context_->traffic.set_base_passed(vehicle_, !state.node_states.front().released);
     return Next::nothing;
   }
+  // Another sender may extend the order with every state: logged once per order.
+  if (std::exchange(logged_.foreign, order_id_) == order_id_) return Next::adopt;
   context_->publisher.log('w', context_->registry[vehicle_].name() + ": follows update " +
                                    std::to_string(state.order_update_id) + " up to " + std::string(end_id) +
                                    ", which this server did not send; taking it over");
@@ -107,8 +110,8 @@ bool OrderSession::can_take_over(const wire::State& state) {
                            return !map.find(node.node_id).empty();
                          });
   if (is_cosiva && !state.order_id.empty()) return true;
-  if (strange_order_ != state.order_id) {
-    strange_order_ = state.order_id;
+  if (logged_.strange != state.order_id) {
+    logged_.strange = state.order_id;
     context_->publisher.log('i', context_->registry[vehicle_].name() + ": follows order '" + state.order_id +
                                      "' over nodes that are not this zone's; left alone until it is done");
   }
@@ -126,6 +129,7 @@ void OrderSession::take_over(const wire::State& state, std::optional<WaypointInd
   sent_.reset();
   set_base_end(base_end.value_or(context_->map->find(end_id).front()));
   context_->traffic.set_base_passed(vehicle_, !state.node_states.front().released);
+  if (std::exchange(logged_.foreign, order_id_) == order_id_) return;
   context_->publisher.log('i', context_->registry[vehicle_].name() + ": took over order '" + order_id_ + "', update " +
                                    std::to_string(update_id_) + ", base up to " + std::string(end_id));
 }
@@ -264,6 +268,11 @@ void OrderSession::fold(Digest& digest) const {
   digest.add(std::string_view{order_id_});
   digest.add(std::uint64_t{update_id_});
   digest.add(std::uint64_t{base_end_});
+}
+
+void OrderSession::archive(Archive& archive) {
+  archive(stage_, order_id_, update_id_, acknowledged_, ever_acknowledged_, base_end_, base_end_sequence_, has_horizon_,
+          sent_, sent_at_, wait_until_, cancellation_, logged_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -72,6 +73,7 @@ class OrderSession {
   /// The base ends at another waypoint of the same node.
   void set_base_end(WaypointIndex end);
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   Next follow(const wire::State& state);
@@ -98,7 +100,11 @@ class OrderSession {
     InstantActionSender::ActionHandle handle{0};  ///< of the pending cancelOrder; 0: none
   };
   Cancellation cancellation_;
-  std::string strange_order_;  ///< an order from another sender, logged once
+  struct LoggedOrders {
+    std::string strange;  ///< of another sender, over nodes that are not this zone's
+    std::string foreign;  ///< of another sender, or extended by one
+  };
+  LoggedOrders logged_;  ///< orders that are logged once
 };
 
 }  // namespace cosiva::virtual_side

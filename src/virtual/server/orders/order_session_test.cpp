@@ -359,6 +359,22 @@ TEST_F(Session, order_on_the_zone_before_is_cancelled) {
   EXPECT_EQ(cancellations(), 1U);
 }
 
+TEST_F(Session, order_that_another_master_extends_with_every_state_is_logged_once) {
+  OrderSession fresh{orders.context, vehicle};
+  wire::State state = accepted();
+  const std::size_t before = orders.logs().size();
+  for (std::uint32_t update = 0; update < 100; ++update) {
+    state.order_update_id = update;
+    ASSERT_EQ(fresh.on_state(state, nullptr), Next::adopt) << update;
+    fresh.take_over(state, std::nullopt);
+  }
+  EXPECT_EQ(orders.logs().size(), before + 1);
+  state.order_id = "another";
+  ASSERT_EQ(fresh.on_state(state, nullptr), Next::drop_then_adopt);
+  fresh.take_over(state, std::nullopt);
+  EXPECT_EQ(orders.logs().size(), before + 2) << "a change";
+}
+
 TEST_F(Session, order_over_this_zone_s_nodes_can_be_taken_over) {
   OrderSession fresh{orders.context, vehicle};
   wire::State state = accepted();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 
@@ -97,5 +98,7 @@ bool detects(const Registry& registry, VehicleIndex vehicle, VehicleIndex ahead)
   return ahead != no_vehicle && registry[vehicle].is_cosiva() && registry[ahead].is_cosiva() &&
          (registry[vehicle].augmented() || !registry[ahead].augmented());
 }
+
+void PathPositions::archive(Archive& archive) { archive(vehicles_); }
 
 }  // namespace cosiva::virtual_side

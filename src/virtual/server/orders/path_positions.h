@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/virtual/server/orders/order_context.h"
 #include "cosiva/virtual/server/orders/order_session.h"
@@ -55,6 +56,7 @@ class PathPositions {
   [[nodiscard]] bool is_stopped(VehicleIndex vehicle) const;
   /// The pose of the vehicle's twin at this time, body in map.
   [[nodiscard]] Pose2 body(VehicleIndex vehicle) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// Relates the reported pose to the entry point until the vehicle is on the path.

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/orders/mission.h"
 
@@ -48,14 +49,15 @@ void PersistedMissions::restore(const JsonValue& memory) {
   });
   each("missions", [&](const JsonValue& one) {
     const auto vehicle = one.text("vehicle");
-    if (!vehicle || vehicle->size() > mission_name_bytes_max || missions_left_.size() >= Registry::vehicles_max) return;
+    if (!vehicle || vehicle->size() > mission_name_bytes_max || missions_left_.size() >= registry_.vehicles_max())
+      return;
     const bool go = one.text("kind").value_or("") == "go";
     missions_left_.push_back({*vehicle,
                               {go ? Mission::Kind::go : Mission::Kind::circulate, one.text("name").value_or(""),
                                one.text("beyond").value_or("")}});
   });
   for (VehicleIndex v = 0; v < registry_.size(); ++v) registered(v);
-  COSIVA_EXPECT(missions_left_.size() <= Registry::vehicles_max);
+  COSIVA_EXPECT(missions_left_.size() <= registry_.vehicles_max());
   if (missions_.map() == nullptr) return;
   if (auto closed = take_closed(missions_.map()))
     missions_.set_closed(std::move(*closed));
@@ -70,6 +72,12 @@ void PersistedMissions::registered(VehicleIndex vehicle) {
   missions_left_.erase(found);
 }
 
+void PersistedMissions::removed(VehicleIndex vehicle) {
+  const Mission& mission = missions_.mission(vehicle);
+  if (mission == Mission{} || missions_left_.size() >= registry_.vehicles_max()) return;
+  missions_left_.push_back({registry_[vehicle].name(), mission});
+}
+
 std::optional<std::vector<zone::SectionId>> PersistedMissions::take_closed(const WaypointGraph* map) {
   if (map == nullptr || !closed_) return std::nullopt;
   const PersistedClosed was = *std::exchange(closed_, std::nullopt);
@@ -79,5 +87,7 @@ std::optional<std::vector<zone::SectionId>> PersistedMissions::take_closed(const
     if (const auto section = map->circuit().find(name)) sections.push_back(*section);
   return sections;
 }
+
+void PersistedMissions::archive(Archive& archive) { archive(missions_left_, closed_); }
 
 }  // namespace cosiva::virtual_side

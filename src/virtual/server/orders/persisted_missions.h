@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/orders/missions.h"
@@ -27,8 +28,11 @@ class PersistedMissions {
   /// vehicle is registered.
   void restore(const JsonValue& memory);
   void registered(VehicleIndex vehicle);
+  /// The vehicle's entry will be removed, and its mission forgotten: a vehicle of this name gets the mission again.
+  void removed(VehicleIndex vehicle);
   /// The restored closed sections, once, if they belong to the zone of `map`; null: no zone is in force.
   [[nodiscard]] std::optional<std::vector<zone::SectionId>> take_closed(const WaypointGraph* map);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Persisted {

@@ -122,14 +122,15 @@ TEST_F(PersistedText, entries_that_are_no_missions_are_left_out) {
 }
 
 TEST_F(PersistedText, missions_are_at_most_as_many_as_the_registry_can_have_vehicles) {
+  constexpr std::size_t vehicles_max = Registry::vehicles_max_default;
   std::string persisted_json = R"({"missions":[)";
-  for (std::size_t i = 0; i <= Registry::vehicles_max; ++i)
+  for (std::size_t i = 0; i <= vehicles_max; ++i)
     persisted_json +=
         (i == 0 ? "" : ",") + std::string(R"({"vehicle":"V/)") + std::to_string(i) + R"(","kind":"go","name":"dock"})";
   restore(persisted_json + "]}");
   const std::string written = text();
-  EXPECT_NE(written.find("\"V/" + std::to_string(Registry::vehicles_max - 1) + '"'), std::string::npos);
-  EXPECT_EQ(written.find("\"V/" + std::to_string(Registry::vehicles_max) + '"'), std::string::npos);
+  EXPECT_NE(written.find("\"V/" + std::to_string(vehicles_max - 1) + '"'), std::string::npos);
+  EXPECT_EQ(written.find("\"V/" + std::to_string(vehicles_max) + '"'), std::string::npos);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -27,5 +28,7 @@ void Roaming::take(zone::SectionId section) {
   COSIVA_EXPECT(taken <= forks_);
   taken = ++forks_;
 }
+
+void Roaming::archive(Archive& archive) { archive(taken_, forks_); }
 
 }  // namespace cosiva::virtual_side

@@ -4,7 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "cosiva/virtual/server/orders/closed_sections.h"
+#include "cosiva/base/archive_fwd.h"
+#include "cosiva/virtual/server/right_of_way/closed_sections.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 
 namespace cosiva::virtual_side {
@@ -25,6 +26,7 @@ class Roaming {
   [[nodiscard]] zone::SectionId least_recent(Sections choice, const Open& open) const;
   /// The vehicle takes `section` at a fork.
   void take(zone::SectionId section);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::map<zone::SectionId, std::uint64_t> taken_;  ///< when each branch was last taken, counted in forks

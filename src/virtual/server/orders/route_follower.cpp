@@ -7,6 +7,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
+#include "cosiva/virtual/server/orders/base_reach.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::virtual_side {
@@ -141,8 +142,8 @@ void RouteFollower::extend_from(VehicleIndex vehicle, const Start& from) {
   double reach_m = from.reach_m;
   double in_convoy_m = 0.0;   // up to here the leader holds the same crossings and has a base to leave them
   double must_reach_m = 0.0;  // a granted chain is released as a whole: no vehicle stops in a crossing for lack of base
-  while (base_.size() < context_.rules.base_nodes_max &&
-         (reach_m < context_.rules.base_ahead_m || reach_m < must_reach_m)) {
+  const BaseReach reach{context_.registry[vehicle], context_.map->zone(), context_.rules, context_.publisher.now()};
+  while (base_.size() < context_.rules.base_nodes_max && (reach_m < reach.wanted_m() || reach_m < must_reach_m)) {
     const WaypointGraph::Stretch* stretch = planner_.next_stretch(vehicle, at, passed);
     if (stretch == nullptr) break;
     if (comes_again(vehicle, from, passed, *stretch)) break;
@@ -154,6 +155,7 @@ void RouteFollower::extend_from(VehicleIndex vehicle, const Start& from) {
       chain = context_.map->chain(at, planner_.route().subspan(passed), goal);
     }
     const double chain_m = reach_m + chain.length_m;
+    if (reach_m >= must_reach_m && !reach.extends(reach_m, std::max(next_m, chain_m), stretch->speed_mps_max)) break;
     const bool joins = enters && joins_convoy(vehicle, {reach_m, next_m, chain_m});
     if (joins) in_convoy_m = chain_m;
     const bool moves_up = yielding_.moves_up(vehicle) && !enters && base_.empty();

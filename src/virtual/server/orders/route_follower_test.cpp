@@ -332,6 +332,20 @@ TEST_F(Chain, is_not_requested_by_a_vehicle_further_from_its_stop_line) {
   EXPECT_FALSE(orders.waits[far].crossing.has_value());
 }
 
+TEST_F(Chain, longer_than_a_third_party_vehicle_may_drive_without_control_is_released_only_when_it_would_brake) {
+  // At 0.5 m/s it may drive 0.5 m, and needs 0.41 m ahead of it.
+  orders.context.rules.permitted_time = 1s;
+  ASSERT_GT(orders.map->chain(stop).length_m, 0.5);
+  const VehicleIndex far = orders.add_at("AIV1", before_stop(0.45), "Acme");
+  ASSERT_TRUE(orders.extend(far));
+  EXPECT_EQ(orders.sessions[far].base_end(), stop);
+  EXPECT_THAT(orders.traffic.requests(), IsEmpty());
+  orders.acknowledge(far);
+  orders.report_at(far, before_stop(0.40), 0.5);
+  ASSERT_TRUE(orders.extend(far));
+  EXPECT_EQ(orders.sessions[far].base_end(), orders.map->chain(stop).exit) << "no vehicle stops in a crossing";
+}
+
 TEST_F(Chain, that_another_vehicle_occupies_is_waited_for) {
   const VehicleIndex inside = orders.add_at("AIV1", orders.at("bypass1", 0.1));
   const VehicleIndex vehicle = add_before_stop("AIV2", 0.0);

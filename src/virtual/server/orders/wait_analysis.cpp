@@ -5,6 +5,7 @@
 
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -137,5 +138,7 @@ std::string WaitAnalysis::sentence(const Wait& wait) const {
   }
   return {};
 }
+
+void WaitAnalysis::archive(Archive& archive) { archive(unresponsive_since_); }
 
 }  // namespace cosiva::virtual_side

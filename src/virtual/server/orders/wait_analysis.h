@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/orders/line_join.h"
 #include "cosiva/virtual/server/orders/order_context.h"
@@ -41,6 +42,7 @@ class WaitAnalysis {
   [[nodiscard]] std::string blocker_at_goal(VehicleIndex vehicle) const;
   /// "CoSiVA/AIV1 waits for X3, where CoSiVA/AIV2 is".
   [[nodiscard]] std::string sentence(const Wait& wait) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// The vehicle at which its own obstacle sensor stops it; no_vehicle: no known vehicle.

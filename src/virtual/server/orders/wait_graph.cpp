@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -74,5 +75,7 @@ std::vector<Wait> WaitGraph::cycle_through(VehicleIndex first) {
   for (const VehicleIndex v : reached_) came_by_[v] = no_wait;
   return cycle;
 }
+
+void WaitGraph::archive(Archive& archive) { archive(count_, waits_, first_, blockers_, came_by_, reached_, knots_); }
 
 }  // namespace cosiva::virtual_side

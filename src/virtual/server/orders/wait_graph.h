@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/components.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 
@@ -46,6 +47,7 @@ class WaitGraph {
 
   /// To be called after find_knots(): sorted by who, whom and why.
   [[nodiscard]] std::span<const Wait> waits() const { return waits_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void sort_waits();

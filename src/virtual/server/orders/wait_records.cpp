@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -32,5 +33,7 @@ void WaitRecords::record(VehicleIndex vehicle, bool blocked, SimTime now) {
   longest_ = std::max(longest_, waited);
   COSIVA_EXPECT(waited <= longest_);
 }
+
+void WaitRecords::archive(Archive& archive) { archive(vehicles_, longest_); }
 
 }  // namespace cosiva::virtual_side

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
@@ -37,6 +38,7 @@ class WaitRecords {
   /// @param blocked  the vehicle got no base; otherwise it is merely informed early that it will be blocked
   void record(VehicleIndex vehicle, bool blocked, SimTime now);
   void end(VehicleIndex vehicle) { vehicles_[vehicle].since.reset(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<WaitRecord> vehicles_;

@@ -6,6 +6,7 @@
 
 #include "cosiva/aiv/decision/envelope.h"
 #include "cosiva/aiv/decision/line_entry.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/zone/circuit/path_snap.h"
@@ -338,5 +339,7 @@ void Yielding::end(VehicleIndex vehicle) {
   if (stop && stop->handle != 0) context_.action_sender.drop(stop->handle);
   stop.reset();
 }
+
+void Yielding::archive(Archive& archive) { archive(vehicles_); }
 
 }  // namespace cosiva::virtual_side

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -55,6 +56,7 @@ class Yielding {
   /// The next stretch may end nearer to the leader than the gap.
   [[nodiscard]] bool moves_up(VehicleIndex vehicle) const { return vehicles_[vehicle].moves_up; }
   void end_moving_up(VehicleIndex vehicle) { vehicles_[vehicle].moves_up = false; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Stop {

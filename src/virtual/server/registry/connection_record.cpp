@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/registry/connection_record.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -16,5 +17,7 @@ bool ConnectionRecord::on_report(SimTime now) {
   if (online() || now - changed_at_ <= will_outlived) return false;
   return on_connection(wire::ConnectionState::online, now);
 }
+
+void ConnectionRecord::archive(Archive& archive) { archive(state_, changed_at_); }
 
 }  // namespace cosiva::virtual_side

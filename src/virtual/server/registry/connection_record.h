@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/messages.h"
 
@@ -30,6 +31,7 @@ class ConnectionRecord {
   /// As shown: a vehicle that never reported its connection counts as ONLINE.
   [[nodiscard]] wire::ConnectionState shown() const { return state_.value_or(wire::ConnectionState::online); }
   [[nodiscard]] bool online() const { return shown() == wire::ConnectionState::online; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<wire::ConnectionState> state_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -19,5 +20,7 @@ std::optional<bool> FactsheetRecord::supports(std::string_view instant_action) c
   return std::ranges::any_of(factsheet_->actions,
                              [&](const auto& action) { return action.instant && action.type == instant_action; });
 }
+
+void FactsheetRecord::archive(Archive& archive) { archive(factsheet_, requested_); }
 
 }  // namespace cosiva::virtual_side

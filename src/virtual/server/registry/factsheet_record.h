@@ -3,6 +3,7 @@
 #include <optional>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::virtual_side {
@@ -19,8 +20,10 @@ class FactsheetRecord {
 
   /// Neither known nor requested.
   [[nodiscard]] bool missing() const { return !factsheet_ && !requested_; }
+  [[nodiscard]] const wire::Factsheet* last() const { return factsheet_ ? &*factsheet_ : nullptr; }  ///< null: none yet
   /// Nothing while the factsheet is unknown.
   [[nodiscard]] std::optional<bool> supports(std::string_view instant_action) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<wire::Factsheet> factsheet_;

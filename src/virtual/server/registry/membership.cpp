@@ -1,8 +1,14 @@
 #include "cosiva/virtual/server/registry/membership.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
+
+void Membership::on_message(SimTime now) {
+  COSIVA_EXPECT(last_received_ <= now);
+  last_received_ = now;
+}
 
 void Membership::on_retired() {
   retired_ = true;
@@ -14,5 +20,7 @@ void Membership::on_handed_over(SimTime now) {
   COSIVA_EXPECT(!handed_over_ || handed_over_->last <= now);
   handed_over_ = {handed_over_ ? handed_over_->first : now, now};
 }
+
+void Membership::archive(Archive& archive) { archive(first_received_, last_received_, retired_, handed_over_); }
 
 }  // namespace cosiva::virtual_side

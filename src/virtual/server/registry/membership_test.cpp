@@ -14,6 +14,15 @@ TEST(Membership, begins_with_the_first_message) {
   EXPECT_FALSE(membership.handed_over());
 }
 
+TEST(Membership, has_the_time_of_the_last_message) {
+  Membership membership{virtual_epoch + 3s};
+  EXPECT_EQ(membership.last_received(), virtual_epoch + 3s);
+  membership.on_message(virtual_epoch + 5s);
+  EXPECT_EQ(membership.last_received(), virtual_epoch + 5s);
+  EXPECT_EQ(membership.first_received(), virtual_epoch + 3s);
+  EXPECT_DEATH(membership.on_message(virtual_epoch + 4s), "last_received_");
+}
+
 TEST(Membership, ends_by_retirement_until_the_vehicle_is_accepted_again) {
   Membership membership{virtual_epoch};
   membership.on_retired();

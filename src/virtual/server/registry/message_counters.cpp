@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/registry/message_counters.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -19,5 +20,12 @@ void MessageCounters::on_outdated() {
   ++outdated_;
   COSIVA_EXPECT(outdated_ <= messages_);
 }
+
+void MessageCounters::on_dropped() {
+  ++dropped_;
+  COSIVA_EXPECT(dropped_ <= messages_);
+}
+
+void MessageCounters::archive(Archive& archive) { archive(messages_, missed_, refused_, v2x_refused_, outdated_, dropped_, rate_); }
 
 }  // namespace cosiva::virtual_side

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 
+#include "cosiva/base/archive_fwd.h"
+#include "cosiva/virtual/server/registry/message_rate.h"
+
 namespace cosiva::virtual_side {
 
 /// Numbers of the messages of a vehicle.
 ///
-/// Invariant: each counted message is refused at most once and outdated at most once, and shows fewer than
+/// Invariant: each counted message is refused, outdated and dropped at most once each, and shows fewer than
 /// missed_per_message_max others to be missing.
 class MessageCounters {
  public:
@@ -24,11 +27,19 @@ class MessageCounters {
   void on_outdated();
   /// The same of a V2X message: other vehicles receive V2X messages, so these are not among the messages().
   void on_v2x_refused() { ++v2x_refused_; }
+  /// The message exceeded the vehicle's rate (MessageRate) and has not been evaluated.
+  void on_dropped();
+
+  /// Decides which messages are dropped.
+  [[nodiscard]] MessageRate& rate() { return rate_; }
+  [[nodiscard]] const MessageRate& rate() const { return rate_; }
 
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
   [[nodiscard]] std::uint64_t missed() const { return missed_; }  ///< gaps in header ids: messages lost in transit
   [[nodiscard]] std::uint64_t refused() const { return refused_ + v2x_refused_; }
   [[nodiscard]] std::uint64_t outdated() const { return outdated_; }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::uint64_t messages_{0};
@@ -36,6 +47,8 @@ class MessageCounters {
   std::uint64_t refused_{0};
   std::uint64_t v2x_refused_{0};
   std::uint64_t outdated_{0};
+  std::uint64_t dropped_{0};
+  MessageRate rate_;
 };
 
 }  // namespace cosiva::virtual_side

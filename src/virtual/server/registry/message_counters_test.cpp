@@ -19,6 +19,14 @@ TEST(MessageCounters, count_each_kind_by_itself) {
   EXPECT_EQ(counters.outdated(), 2U);
 }
 
+TEST(MessageCounters, count_dropped_messages_among_the_received_ones) {
+  MessageCounters counters;
+  counters.on_message();
+  counters.on_dropped();
+  EXPECT_EQ(counters.dropped(), 1U);
+  EXPECT_DEATH(counters.on_dropped(), "dropped_");
+}
+
 TEST(MessageCounters, count_a_refused_v2x_message_although_it_is_not_one_of_the_messages) {
   MessageCounters counters;
   counters.on_v2x_refused();

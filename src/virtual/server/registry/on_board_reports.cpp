@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/registry/reordering.h"
 
@@ -30,5 +31,7 @@ void OnBoardReports::on_session() {
   boards_.reset();
   detected_stamp_.reset();
 }
+
+void OnBoardReports::archive(Archive& archive) { archive(boards_, detected_stamp_, v2x_traced_); }
 
 }  // namespace cosiva::virtual_side

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/own/own_messages.h"
 
@@ -29,6 +30,7 @@ class OnBoardReports {
   void on_session();
 
   [[nodiscard]] const std::optional<wire::BoardsReport>& boards() const { return boards_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<wire::BoardsReport> boards_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -31,6 +32,10 @@ void OperatorSettings::on_body_in_path() {
 void OperatorSettings::on_body_left() {
   COSIVA_EXPECT(paused_for_body_);
   paused_for_body_ = false;
+}
+
+void OperatorSettings::archive(Archive& archive) {
+  archive(priority_, speed_mps_max_, no_orders_, stop_awaited_, paused_for_body_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
+
 namespace cosiva::virtual_side {
 
 /// What operators, the zone and the server have set for a vehicle: its priority, its limit of speed, and whether it
@@ -41,6 +43,7 @@ class OperatorSettings {
   [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
   [[nodiscard]] bool no_orders() const { return no_orders_ || stop_awaited_; }
   [[nodiscard]] bool paused_for_body() const { return paused_for_body_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::int32_t priority_{0};

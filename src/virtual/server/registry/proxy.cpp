@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::virtual_side {
 
 void AivProxy::on_session() {
@@ -29,6 +31,11 @@ void AivProxy::on_returned(SimTime now) {
   next.sent = sent;
   next.counters = counters;
   *this = std::move(next);
+}
+
+void AivProxy::archive(Archive& archive) {
+  archive(membership, twin_link, settings, connection, factsheet, reports, clock, reported_state, position, on_board,
+          received, sent, counters, diagnostics);
 }
 
 }  // namespace cosiva::virtual_side

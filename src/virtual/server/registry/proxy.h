@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/registry/connection_record.h"
 #include "cosiva/virtual/server/registry/factsheet_record.h"
@@ -73,6 +74,8 @@ struct AivProxy {
   [[nodiscard]] bool is_cosiva() const {
     return augmented() || on_board.boards() || id().manufacturer == wire::our_manufacturer;
   }
+  /// Never proved to be a vehicle: it has no twin, and no report made it present. Its entry can be removed.
+  [[nodiscard]] bool unconfirmed() const { return !augmented() && !twin() && !twin_link.present(); }
   /// Has a twin that is shown and that other vehicles take into account.
   [[nodiscard]] bool here() const { return twin().has_value() && !retired(); }
   /// Is in the table and on the map.
@@ -84,6 +87,7 @@ struct AivProxy {
   [[nodiscard]] std::optional<bool> supports(std::string_view instant_action) const {
     return factsheet.supports(instant_action);
   }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 };
 
 }  // namespace cosiva::virtual_side

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/registry/message_counters.h"
 
@@ -35,5 +36,7 @@ std::uint32_t ReceivedHeaders::on_header(VehicleTopic topic, const wire::Header&
   const std::uint32_t step = header.header_id - *before;
   return step > 1 && step <= MessageCounters::missed_per_message_max ? step - 1 : 0;
 }
+
+void ReceivedHeaders::archive(Archive& archive) { archive(last_id_, version_); }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/virtual/server/registry/vehicle_topic.h"
 #include "cosiva/wire/messages/messages.h"
 
@@ -28,6 +29,7 @@ class ReceivedHeaders {
 
   /// Exactly as the vehicle writes it; empty until its first message.
   [[nodiscard]] const std::string& version() const { return version_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::array<std::optional<std::uint32_t>, vehicle_topics> last_id_;

@@ -57,12 +57,59 @@ TEST(Registry, gives_the_lowest_free_display_number_where_the_serial_number_has_
 }
 
 TEST(Registry, accepts_a_limited_number_of_vehicles) {
+  for (const std::size_t vehicles_max : {std::size_t{1}, std::size_t{256}, Registry::vehicles_max_default}) {
+    Registry registry{"uagv", vehicles_max};
+    for (std::size_t i = 0; i < vehicles_max; ++i)
+      ASSERT_TRUE(registry.add({"Acme", "A" + std::to_string(i)}, virtual_epoch)) << i;
+    EXPECT_TRUE(registry.full());
+    EXPECT_FALSE(registry.add({"Acme", "more"}, virtual_epoch));
+    EXPECT_EQ(registry.size(), vehicles_max);
+    EXPECT_FALSE(registry.find("Acme/more"));
+  }
+  EXPECT_EQ(Registry::vehicles_max_default, 2'000U);
+}
+
+TEST(Registry, gives_the_index_of_a_removed_entry_to_the_next_vehicle_and_keeps_all_others) {
+  Registry registry{"uagv", 3};
+  for (const char* serial : {"A1", "A2", "A3"}) ASSERT_TRUE(registry.add({"Acme", serial}, virtual_epoch));
+  registry[1].on_retired(virtual_epoch);
+  registry.remove(1);
+  EXPECT_TRUE(registry.vacant(1));
+  EXPECT_EQ(registry.known(), 2U);
+  EXPECT_FALSE(registry.find("Acme/A2"));
+  EXPECT_FALSE(registry.find_topic("uagv/v2/Acme/A2/state"));
+  EXPECT_FALSE(registry.find_topic("cosiva/v1/boards/Acme/A2"));
+  EXPECT_EQ(registry.find("Acme/A3"), VehicleIndex{2});
+  EXPECT_EQ(registry.add({"Other", "B2"}, virtual_epoch), VehicleIndex{1});
+  EXPECT_EQ(registry[1].name(), "Other/B2");
+  EXPECT_FALSE(registry[1].retired());
+  EXPECT_EQ(registry[1].identity.number(), 2U) << "the number is free again";
+  EXPECT_EQ(registry.find_topic("uagv/v2/Other/B2/state")->vehicle, VehicleIndex{1});
+  EXPECT_TRUE(registry.full());
+}
+
+TEST(Registry, offers_for_removal_the_entry_without_a_state_that_sent_nothing_for_the_longest_time) {
   Registry registry{"uagv"};
-  for (std::size_t i = 0; i < Registry::vehicles_max; ++i)
-    ASSERT_TRUE(registry.add({"Acme", "A" + std::to_string(i)}, virtual_epoch)) << i;
-  EXPECT_FALSE(registry.add({"Acme", "more"}, virtual_epoch));
-  EXPECT_EQ(registry.size(), Registry::vehicles_max);
-  EXPECT_FALSE(registry.find("Acme/more"));
+  for (const char* serial : {"A1", "A2", "A3", "A4"}) ASSERT_TRUE(registry.add({"Acme", serial}, virtual_epoch));
+  registry[0].twin_link.on_present();
+  registry[1].reported_state.on_state({}, true);
+  registry[2].membership.on_message(virtual_epoch + std::chrono::seconds{2});
+  registry[3].membership.on_message(virtual_epoch + std::chrono::seconds{1});
+  EXPECT_EQ(registry.removable(), VehicleIndex{3});
+  registry[3].on_retired(virtual_epoch + std::chrono::seconds{3});
+  registry.remove(3);
+  EXPECT_EQ(registry.removable(), VehicleIndex{2});
+  registry[2].twin_link.on_present();
+  EXPECT_EQ(registry.removable(), std::nullopt) << "vehicles are never removed";
+}
+
+TEST(Registry, refuses_to_remove_a_vehicle_that_is_not_retired_or_an_entry_twice) {
+  Registry registry{"uagv"};
+  ASSERT_TRUE(registry.add({"Acme", "A1"}, virtual_epoch));
+  EXPECT_DEATH(registry.remove(0), "retired");
+  registry[0].on_retired(virtual_epoch);
+  registry.remove(0);
+  EXPECT_DEATH(registry.remove(0), "vacant");
 }
 
 TEST(Registry, refuses_to_register_a_vehicle_twice) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -29,5 +30,7 @@ void ReportClock::on_report(SimTime now, SimTime reported_at) {
 SimDuration ReportClock::longest_silence(SimDuration at_least) const {
   return std::max(at_least, from_seconds(gaps_until_lost * to_seconds(usual_gap_)));
 }
+
+void ReportClock::archive(Archive& archive) { archive(first_, last_, reported_at_, usual_gap_, gaps_); }
 
 }  // namespace cosiva::virtual_side

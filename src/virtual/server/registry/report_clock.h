@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 
 namespace cosiva::virtual_side {
@@ -40,6 +41,7 @@ class ReportClock {
   [[nodiscard]] bool lost(SimTime now, SimDuration at_least) const {
     return first_ && now - last_ > longest_silence(at_least);
   }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<SimTime> first_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/registry/reordering.h"
 
@@ -55,6 +56,10 @@ void ReportedPosition::on_session() {
 void ReportedPosition::on_initialisation_sent(SimTime now) {
   COSIVA_EXPECT(pose_);
   initialisation_sent_at_ = now;
+}
+
+void ReportedPosition::archive(Archive& archive) {
+  archive(stamp_, pose_, map_id_, known_, lost_since_, initialisation_sent_at_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 
@@ -49,6 +50,7 @@ class ReportedPosition {
   [[nodiscard]] bool initialised_within(SimDuration time, SimTime now) const {
     return initialisation_sent_at_ && now - *initialisation_sent_at_ < time;
   }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   void take(SimTime stamp, std::string map_id);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/registry/reordering.h"
 
@@ -66,6 +67,10 @@ void ReportedState::read_tag() {
       since_tag_m_ = number_in<double>(information.references, "distance_m").value_or(0.0);
     }
   }
+}
+
+void ReportedState::archive(Archive& archive) {
+  archive(last_, since_link_, in_session_, imposed_, last_tag_, since_tag_m_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cosiva/aiv/motion/speed.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::virtual_side {
@@ -36,6 +37,7 @@ class ReportedState {
   [[nodiscard]] std::optional<aiv::Profile> imposed() const { return imposed_; }
   [[nodiscard]] std::optional<std::uint32_t> last_tag() const { return last_tag_; }
   [[nodiscard]] double since_tag_m() const { return since_tag_m_; }  ///< distance driven; 0 without a tag
+  void archive(Archive& archive);                                    ///< the state, for a snapshot
 
  private:
   void read_limit();

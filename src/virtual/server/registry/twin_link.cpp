@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/registry/twin_link.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -28,5 +29,7 @@ std::size_t TwinLink::entity() const {
   COSIVA_EXPECT(entity_);
   return *entity_;
 }
+
+void TwinLink::archive(Archive& archive) { archive(twin_, entity_, present_, base_end_); }
 
 }  // namespace cosiva::virtual_side

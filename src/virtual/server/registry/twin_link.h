@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::virtual_side {
@@ -29,6 +30,7 @@ class TwinLink {
   /// Physically: reported its position while online, or reported for some time without ONLINE.
   [[nodiscard]] bool present() const { return present_; }
   [[nodiscard]] const std::optional<zone::TrackPosition>& base_end() const { return base_end_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::optional<std::size_t> twin_;

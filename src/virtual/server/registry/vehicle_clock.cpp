@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -14,5 +15,7 @@ SimTime VehicleClock::on_stamp(SimTime stamp, SimTime now) {
   COSIVA_EXPECT(at <= now);
   return at;
 }
+
+void VehicleClock::archive(Archive& archive) { archive(off_s_); }
 
 }  // namespace cosiva::virtual_side

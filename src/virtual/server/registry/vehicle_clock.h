@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 
 namespace cosiva::virtual_side {
@@ -18,6 +19,7 @@ class VehicleClock {
 
   [[nodiscard]] double off_s() const { return off_s_; }  ///< positive: slow; 0: correct within the tolerance
   [[nodiscard]] bool is_off() const { return off_s_ != 0.0; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   double off_s_{0.0};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 
@@ -135,5 +136,7 @@ bool Convoys::convoy_pays(const Traffic& traffic, const Joining& joining, std::s
   const double saved_s = turn_s + chain_s - ends_s;
   return lost_s + gain_s_min < saved_s * static_cast<double>(members_from(traffic, joining.vehicle, at_most));
 }
+
+void Convoys::archive(Archive& archive) { archive(passes_, losing_, count_); }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 
@@ -46,6 +47,7 @@ class Convoys {
   /// Number of times that a vehicle joined a pass.
   [[nodiscard]] std::uint64_t count() const { return count_; }
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// A vehicle that would join; all distances are measured from its own position.

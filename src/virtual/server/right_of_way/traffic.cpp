@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/decision/right_of_way.h"
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/simulator/follow.h"
 
@@ -378,6 +379,10 @@ void Traffic::fold(Digest& digest) const {
     digest.add(request.since);
   }
   convoys_.fold(digest);
+}
+
+void Traffic::archive(Archive& archive) {
+  archive(vehicles_, by_section_, holders_, queue_, convoys_, now_, positions_dirty_, holds_dirty_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/right_of_way/convoys.h"
@@ -187,6 +188,7 @@ class Traffic {
   [[nodiscard]] const std::vector<CrossingIndex>& needs(VehicleIndex vehicle) const { return vehicles_[vehicle].needs; }
 
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Vehicle {

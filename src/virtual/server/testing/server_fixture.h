@@ -34,12 +34,13 @@ class ServerFixture {
   double loss{0.0};  ///< of orders, instant actions, states and visualizations
   std::function<void()> each_step;
   SimDuration latency{4ms};
+  bool broker_frozen{false};  ///< its connections stay open, and nothing passes
 
   /// Killed and started anew, with what it remembered where that is asked for.
   void restart_server(bool restore = false) {
     server = std::make_unique<ServerCore>(options_);
     echoes_.clear();
-    if (restore && !memory.empty()) feed(wire::InputKind::restore, "", memory);
+    if (restore && !persisted.empty()) feed(wire::InputKind::restore, "", persisted);
     feed(wire::InputKind::link, "", "up");
     for (const auto& vehicle : vehicles)
       send(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
@@ -59,8 +60,8 @@ class ServerFixture {
   void connection(FixtureVehicle& vehicle, wire::ConnectionState state) {
     send(vehicle, "connection", vda::encode(vehicle.connection(now, state)));
   }
-  void command(const std::string& verb, const std::string& vehicle, const std::string& id = "") {
-    std::string json = R"({"command":")" + verb + R"(","vehicle":")" + vehicle + "\"";
+  void command(const std::string& kind, const std::string& vehicle, const std::string& id = "") {
+    std::string json = R"({"command":")" + kind + R"(","vehicle":")" + vehicle + "\"";
     if (!id.empty()) json += R"(,"id":")" + id + "\"";
     feed(wire::InputKind::command, "test", json + "}");
   }
@@ -90,7 +91,7 @@ class ServerFixture {
     }
   }
   /// What it would remember if it were killed now.
-  std::string memory;
+  std::string persisted;
 
   void run_for(SimDuration duration) {
     for (const SimTime end = now + duration; now < end;) {
@@ -99,6 +100,7 @@ class ServerFixture {
       for (const auto& vehicle : vehicles) {
         if (!vehicle->alive) continue;
         vehicle->step(20ms);
+        if (broker_frozen) continue;
         if (steps_ % 50 == 0) vehicle->state_due = true;
         const SimTime sent_at = now - latency;
         if (vehicle->visualizes && steps_ % 5 == 0 && !random.chance(loss))
@@ -155,10 +157,11 @@ class ServerFixture {
     const wire::Effects effects = std::move(effects_);
     for (const wire::Effect& effect : effects) {
       if (const auto* log = std::get_if<wire::Log>(&effect)) logs.push_back(log->text);
-      if (const auto* kept = std::get_if<wire::Persist>(&effect)) memory = kept->bytes;
+      if (const auto* kept = std::get_if<wire::Persist>(&effect)) persisted = kept->bytes;
       const auto* message = std::get_if<wire::Publish>(&effect);
       if (message == nullptr) continue;
       published.push_back(*message);
+      if (broker_frozen) continue;
       for (const std::string& filter : server->subscriptions())
         if (wire::topic_matches(filter, message->topic)) echoes_.push_back(*message);
       if (random.chance(loss)) continue;

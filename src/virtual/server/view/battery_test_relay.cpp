@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -176,5 +177,9 @@ std::optional<std::string> BatteryTestRelay::curve_json(const std::string& vehic
   json.end_array().end_object();
   return json.take();
 }
+
+void BatteryCurve::archive(Archive& archive) { archive(points_, every_); }
+
+void BatteryTestRelay::archive(Archive& archive) { archive(changes_, test_, curves_); }
 
 }  // namespace cosiva::virtual_side

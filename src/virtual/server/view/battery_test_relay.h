@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/wire/own/battery_exchange.h"
@@ -31,6 +32,7 @@ class BatteryCurve {
   /// Removes the points of an earlier test.
   void forget_before(SimTime at);
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<Point> points_;
@@ -62,6 +64,7 @@ class BatteryTestRelay {
   void write(JsonWriter& json) const;
   /// Nothing if the vehicle never reported its battery.
   [[nodiscard]] std::optional<std::string> curve_json(const std::string& vehicle) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Change {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/server/registry/reordering.h"
@@ -254,6 +255,10 @@ void GroundTruthComparator::fold(Digest& digest) const {
     digest.add(detected.X_MB.y_m);
     digest.add(detected.gap_m.value_or(-1.0));
   }
+}
+
+void GroundTruthComparator::archive(Archive& archive) {
+  archive(now_, connection_, connection_at_, detections_, detections_at_, watching_since_, detected_, trails_);
 }
 
 }  // namespace cosiva::virtual_side

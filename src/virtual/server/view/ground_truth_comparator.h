@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
@@ -61,6 +62,7 @@ class GroundTruthComparator {
   /// The snapshot's "gvs": null if no message of a camera was received.
   void write(JsonWriter& json) const;
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// The last poses of a twin, and since when the twin has been in the camera's field of view.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -68,5 +69,7 @@ void MapDeployment::step(VehicleIndex vehicle, const Map& map) {
   step.sent_at = publisher_.now();
   step.handle = action_sender_.send(proxy, vehicle, {std::move(*action)}, timeout, true);
 }
+
+void MapDeployment::archive(Archive& archive) { archive(steps_); }
 
 }  // namespace cosiva::virtual_side

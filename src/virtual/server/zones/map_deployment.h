@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
 #include "cosiva/virtual/server/registry/registry.h"
 
@@ -31,6 +32,7 @@ class MapDeployment {
   };
   /// Takes the next step for a vehicle that reports another map than `map`.
   void step(VehicleIndex vehicle, const Map& map);
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Step {

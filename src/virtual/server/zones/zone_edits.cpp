@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/edit/edit_json.h"
@@ -123,5 +124,7 @@ void ZoneEdits::fold(Digest& digest) const {
   digest.add(static_cast<std::uint64_t>(undo_.size()));
   digest.add(static_cast<std::uint64_t>(redo_.size()));
 }
+
+void ZoneEdits::archive(Archive& archive) { archive(base_, saved_, undo_, redo_, expected_); }
 
 }  // namespace cosiva::virtual_side

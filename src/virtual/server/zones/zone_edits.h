@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
@@ -68,6 +69,7 @@ class ZoneEdits {
   /// The edits are in force again: one undo step leads back to the configuration they began from.
   void restore(Restored restored);
   void fold(Digest& digest) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   static void push(std::deque<zone::ZoneConfiguration>& stack, zone::ZoneConfiguration configuration);

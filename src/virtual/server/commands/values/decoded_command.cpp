@@ -17,7 +17,7 @@ constexpr double limit_mps_max = 5.0;
 constexpr std::size_t vehicles_named_max = 256;
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::array verbs{OperatorCommandKind::stop,  OperatorCommandKind::slow,  OperatorCommandKind::medium,
+constexpr std::array kinds{OperatorCommandKind::stop,  OperatorCommandKind::slow,  OperatorCommandKind::medium,
                            OperatorCommandKind::fast,  OperatorCommandKind::limit, OperatorCommandKind::restart,
                            OperatorCommandKind::cancel};
 
@@ -55,11 +55,12 @@ Result<VehicleCommand> vehicle_command(const Result<JsonValue>& value) {
   }
   VehicleCommand command;
   command.id = cut(value->text("id").value_or(""));
-  const auto verb = value->text("command");
-  if (!verb)
+  command.action_id = cut(value->text("actionId").value_or(""));
+  const auto requested = value->text("command");
+  if (!requested)
     return fail("command.missing", "state which command: stop, slow, medium, fast, limit, restart or cancel",
                 "command");
-  command.command_text = cut(*verb);
+  command.command_text = cut(*requested);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
       return fail("command.vehicle", "give at least one and at most 256 vehicles, as [\"CoSiVA/AIV1\",…]", "vehicles");
@@ -73,9 +74,9 @@ Result<VehicleCommand> vehicle_command(const Result<JsonValue>& value) {
     command.vehicle_names.push_back(cut(*vehicle));
     command.several = *vehicle == "*";
   }
-  const auto known = std::ranges::find(verbs, *verb, [](OperatorCommandKind v) { return to_string(v); });
-  if (known != verbs.end()) command.verb = *known;
-  if (command.verb == OperatorCommandKind::limit) {
+  const auto known = std::ranges::find(kinds, *requested, [](OperatorCommandKind v) { return to_string(v); });
+  if (known != kinds.end()) command.kind = *known;
+  if (command.kind == OperatorCommandKind::limit) {
     command.speed_mps = value->number("speed").value_or(0.0);
     if (!(command.speed_mps > 0.0 && command.speed_mps <= limit_mps_max))
       return fail("command.speed", "state the maximum speed, above 0 and up to 5 m/s, as \"speed\":0.25", "speed");
@@ -147,6 +148,11 @@ Decoded edit_command(const JsonValue& json, EditCommand::Kind kind) {
 }
 
 Decoded switch_command(const JsonValue& json) {
+  if (const JsonValue* refused = json.find("refused")) {
+    Error why{refused->text("code").value_or(""), refused->text("message").value_or(""),
+              refused->text("location").value_or("")};
+    return tl::unexpected(Fault{std::move(why), Fault::By::zone_switch, refused->text("origin").value_or("")});
+  }
   const JsonValue* zone = json.find("zone");
   if (zone == nullptr) {
     return tl::unexpected(
@@ -217,12 +223,21 @@ Decoded decode(std::string_view text) {
 
 }  // namespace
 
-DecodedCommand::DecodedCommand(std::string_view json) : command_{decode(json)} {}
+DecodedCommand::DecodedCommand(std::string_view json, Zone zone) : command_{decode(json)} {
+  if (zone != Zone::built || !command_) return;
+  auto* to_zone = std::get_if<SwitchCommand>(&*command_);
+  if (to_zone == nullptr) return;
+  auto rtm = zone::Rtm::initialise(to_zone->zone);
+  if (rtm)
+    to_zone->built = std::make_shared<const zone::Rtm>(std::move(*rtm));
+  else
+    to_zone->built = tl::unexpected(std::move(rtm.error()));
+}
 
 bool is_stop(const DecodedCommand& decoded) {
   if (!decoded.command()) return false;
   const auto* command = std::get_if<VehicleCommand>(&*decoded.command());
-  return command != nullptr && command->verb == OperatorCommandKind::stop;
+  return command != nullptr && command->kind == OperatorCommandKind::stop;
 }
 
 }  // namespace cosiva::virtual_side

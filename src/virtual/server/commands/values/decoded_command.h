@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -31,8 +32,10 @@ class DecodedCommand final : public wire::InProcessMessage {
     std::string origin{};  ///< of the refused zone, where one was stated
   };
 
+  /// Whether the zone of a zone switch is built with the text: on the thread of the sender, so that the core need not.
+  enum class Zone : std::uint8_t { as_text, built };
   /// Decodes the text once.
-  explicit DecodedCommand(std::string_view json);
+  explicit DecodedCommand(std::string_view json, Zone zone = Zone::as_text);
 
   [[nodiscard]] const tl::expected<OperatorCommand, Fault>& command() const { return command_; }
   /// Nothing: the text of the same input shows in the digests.

@@ -29,7 +29,7 @@ Command decoded(std::string_view json) {
   if (found == nullptr) ADD_FAILURE() << "another command: " << json;
   return found == nullptr ? Command{} : *found;
 }
-std::optional<OperatorCommandKind> kind_of(const VehicleCommand& command) { return command.verb; }
+std::optional<OperatorCommandKind> kind_of(const VehicleCommand& command) { return command.kind; }
 DecodedCommand::Fault fault_of(std::string_view json) {
   const DecodedCommand command{json};
   return command.command() ? DecodedCommand::Fault{} : command.command().error();
@@ -45,6 +45,29 @@ TEST(DecodedCommand, reads_each_text_once) {
     const DecodedCommand command{json};
     EXPECT_EQ(json_parse_count() - before, 1U) << json;
   }
+}
+
+TEST(DecodedCommand, builds_the_zone_of_a_switch_where_the_sender_wants_that) {
+  const char* bad = R"({"command":"switch","zone":{"format":"toml","origin":"a","text":"b"}})";
+  EXPECT_FALSE(std::get<SwitchCommand>(*DecodedCommand{bad}.command()).built);
+  const DecodedCommand built{bad, DecodedCommand::Zone::built};
+  const auto& result = std::get<SwitchCommand>(*built.command()).built;
+  ASSERT_TRUE(result.has_value());
+  EXPECT_FALSE(*result) << "the text is no zone; the core refuses it with this error";
+  EXPECT_TRUE(DecodedCommand(R"({"command":"stop","vehicle":"*"})", DecodedCommand::Zone::built).command());
+}
+
+TEST(DecodedCommand, reads_why_the_sender_of_a_switch_could_not_build_its_zone) {
+  const auto fault = fault_of(
+      R"({"command":"switch","refused":{"origin":"a.toml","code":"zone.key","message":"no circuit","location":"a.toml:1"}})");
+  EXPECT_EQ(fault.by, By::zone_switch);
+  EXPECT_EQ(fault.origin, "a.toml");
+  EXPECT_EQ(fault.error, (Error{"zone.key", "no circuit", "a.toml:1"}));
+}
+
+TEST(DecodedCommand, reads_the_action_of_a_stop_that_was_published_already) {
+  EXPECT_EQ(decoded<VehicleCommand>(R"({"command":"stop","vehicle":"*","actionId":"S1"})").action_id, "S1");
+  EXPECT_EQ(decoded<VehicleCommand>(R"({"command":"stop","vehicle":"*"})").action_id, "");
 }
 
 TEST(DecodedCommand, reads_commands_to_vehicles) {

@@ -2,8 +2,8 @@
 
 namespace cosiva::virtual_side {
 
-std::string_view to_string(OperatorCommandKind verb) {
-  switch (verb) {
+std::string_view to_string(OperatorCommandKind kind) {
+  switch (kind) {
     case OperatorCommandKind::stop: return "stop";
     case OperatorCommandKind::slow: return "slow";
     case OperatorCommandKind::medium: return "medium";

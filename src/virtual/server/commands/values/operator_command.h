@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,7 +10,9 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/pose.h"
+#include "cosiva/base/result.h"
 #include "cosiva/zone/layout/circuit_factory.h"
+#include "cosiva/zone/rtm/rtm.h"
 
 /// Operator commands as values: what the texts of docs/protocols/hmi-api.md and of journals state, before any of it is
 /// compared with the vehicles and the zone. DecodedCommand reads the texts.
@@ -20,16 +23,18 @@ using OptionalNumber = std::optional<double>;
 
 /// What an operator can command a vehicle to do (A6).
 enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
-[[nodiscard]] std::string_view to_string(OperatorCommandKind verb);
+[[nodiscard]] std::string_view to_string(OperatorCommandKind kind);
 
 /// A command to vehicles, or a text that is no command at all: Commands lists even those that it refuses.
 struct VehicleCommand {
   std::string id;                          ///< empty: the server gives one
   std::string command_text;                ///< as requested, even when the command is unknown
   std::vector<std::string> vehicle_names;  ///< at least one; "*" alone: all
-  std::optional<OperatorCommandKind> verb;
+  std::optional<OperatorCommandKind> kind;
   double speed_mps{};   ///< of `limit`, above 0 and up to 5
   bool several{false};  ///< given as a list or as all: one entry for each vehicle
+  /// Of a Stop that was published already: the id of its action. Empty: the server gives one.
+  std::string action_id{};
   [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
 };
 
@@ -80,6 +85,8 @@ struct EditCommand {
 
 struct SwitchCommand {
   zone::ZoneConfiguration zone;
+  /// The RTM of this zone, or why it cannot be built, where the sender has built it; nothing: the core builds it.
+  std::optional<Result<std::shared_ptr<const zone::Rtm>>> built{};
 };
 
 /// To the emulated world: adds or removes an obstacle.

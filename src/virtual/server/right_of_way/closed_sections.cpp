@@ -1,10 +1,11 @@
-#include "cosiva/virtual/server/orders/closed_sections.h"
+#include "cosiva/virtual/server/right_of_way/closed_sections.h"
 
 #include <algorithm>
 #include <functional>
 #include <iterator>
 #include <utility>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
@@ -36,5 +37,7 @@ std::vector<std::string> ClosedSections::names(const WaypointGraph* map) const {
     for (const zone::SectionId section : closed_) names.push_back(map->circuit().part(section).name);
   return names;
 }
+
+void ClosedSections::archive(Archive& archive) { archive(closed_, configured_); }
 
 }  // namespace cosiva::virtual_side

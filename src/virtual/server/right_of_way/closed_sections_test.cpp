@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/closed_sections.h"
+#include "cosiva/virtual/server/right_of_way/closed_sections.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 
 namespace cosiva::virtual_side {
@@ -24,6 +25,7 @@ class ClosedSections {
   [[nodiscard]] std::vector<zone::SectionId> with(Sections avoided) const;
   /// @param map  of the zone in force; null: none, and no names
   [[nodiscard]] std::vector<std::string> names(const WaypointGraph* map) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::vector<zone::SectionId> closed_;

@@ -1,0 +1,77 @@
+// The options of `cosiva simulate`, with their help texts.
+#include "cosiva/app/simulate/command_line_simulate.h"
+
+#include <string>
+
+#include "cosiva/app/simulate/simulate_command.h"
+#include "cosiva/experiments/faults/planted.h"
+
+namespace cosiva::app {
+namespace {
+
+constexpr const char* footer =
+    "Each seed gives a schedule of faults: loss, duplication, reordering and delay (F1), partitions (F2), crashes "
+    "(F3),\n"
+    "the broker's death (F4), power cuts and refusals of the disk (F5), inverted bits (F6), clocks (F7), floods (F10) "
+    "and\n"
+    "contradicting operators (F13). After every step the invariants are checked: I1 the state follows from the store,\n"
+    "I2 accepted commands survive and take effect once, I4 one vehicle one twin, I5 no command before its record,\n"
+    "I6 a Stop outranks everything, I7 no twin is shown as newer than its last report, I9 bounded queues. Then the "
+    "faults\n"
+    "end, and within 2 s all twins must be fresh and afterwards all vehicles drive (I10).\n"
+    "\n"
+    "Examples:\n"
+    "  cosiva simulate --seeds 1..200 --minutes 1              two hundred minutes in less than one\n"
+    "  cosiva simulate --seeds 17 --minutes 1 --list           the faults of a seed, without running it\n"
+    "  cosiva simulate --seeds 17 --minutes 1 --shrink         the fewest faults with which seed 17 still fails\n"
+    "  cosiva simulate --seeds 17 --minutes 1 --faults 3,12    seed 17 with two of its faults only\n"
+    "  cosiva simulate --seeds 1..200 --plant forgotten-stop   how soon a planted defect is found";
+
+std::string planted_names() {
+  std::string names;
+  for (const experiments::Planted planted : experiments::all_planted)
+    names += (names.empty() ? "" : ", ") + std::string(experiments::to_string(planted));
+  return names;
+}
+
+}  // namespace
+
+Command describe_simulate(Command root, SimulateArguments& arguments) {
+  const Command command =
+      root.add_subcommand("simulate", "The platform in virtual time under seeded faults, with its invariants checked");
+  command.footer(footer);
+  command.add_option("--seeds", arguments.seeds, "one seed, or the first and the last one")
+      .value_name("A..B")
+      .show_default();
+  command.add_option("--minutes", arguments.minutes, "of virtual time with faults, for each seed")
+      .value_name("M")
+      .in_range(0.2, 10'000.0)
+      .show_default();
+  command.add_option("--zone", arguments.zone, "traffic zone: a ready one's name or a file")
+      .value_name("NAME|FILE")
+      .show_default();
+  command
+      .add_option("--other-zone", arguments.other_zone,
+                  "operators also switch to this zone and back; without: no zone is switched")
+      .value_name("NAME|FILE");
+  command.add_option("--aivs", arguments.aivs, "how many vehicles").value_name("N").in_range(1, 200).show_default();
+  command.add_option("--jobs", arguments.jobs, "seeds at a time; 0: one for each processor")
+      .value_name("N")
+      .show_default();
+  command.add_option("--faults", arguments.faults, "inject only the faults with these numbers of the schedule")
+      .value_name("N,N…")
+      .separator(',');
+  command.add_flag("--shrink", arguments.shrink, "remove the faults that a failed seed does not need to fail");
+  command.add_flag("--list", arguments.list, "print the schedules without running them");
+  command.add_option("--plant", arguments.plant, "a defect that the invariants should detect: " + planted_names())
+      .value_name("NAME");
+  command.add_flag("--json", arguments.json, "print one JSON object for each seed");
+  return command;
+}
+
+std::optional<int> run_simulate_command(const Command& command, const SimulateArguments& arguments) {
+  if (!command.chosen()) return std::nullopt;
+  return run_simulate(arguments);
+}
+
+}  // namespace cosiva::app

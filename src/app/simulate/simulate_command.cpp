@@ -1,0 +1,158 @@
+#include "cosiva/app/simulate/simulate_command.h"
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "cosiva/adapters/thread_pool.h"
+#include "cosiva/app/cli/console.h"
+#include "cosiva/app/cli/progress.h"
+#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/simulate/seed_report.h"
+#include "cosiva/base/expect.h"
+#include "cosiva/experiments/faults/fault_schedule.h"
+#include "cosiva/experiments/faults/fault_simulation.h"
+#include "cosiva/experiments/faults/shrink.h"
+
+namespace cosiva::app {
+namespace {
+
+using experiments::FaultSimulationOptions;
+using experiments::FaultSimulationResult;
+
+constexpr std::uint64_t seeds_max = 10'000'000;
+
+struct SeedRange {
+  std::uint64_t first;
+  std::uint64_t last;
+};
+
+std::optional<std::uint64_t> read_number(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// "7" or "1..200".
+Result<SeedRange> read_seeds(std::string_view text) {
+  const std::size_t dots = text.find("..");
+  const auto first = read_number(text.substr(0, dots));
+  const auto last = dots == std::string_view::npos ? first : read_number(text.substr(dots + 2));
+  if (!first || !last || *first > *last || *last - *first >= seeds_max)
+    return fail("simulate.seeds", "state a seed such as 7, or a range such as 1..200", "--seeds");
+  return SeedRange{*first, *last};
+}
+
+Result<FaultSimulationOptions> options_of(const SimulateArguments& arguments) {
+  FaultSimulationOptions options;
+  auto zone = open_zone(arguments.zone);
+  if (!zone) return tl::unexpected<Error>(zone.error());
+  options.rtm = std::make_shared<const zone::Rtm>(std::move(*zone));
+  if (!arguments.other_zone.empty()) {
+    const auto other = open_zone(arguments.other_zone);
+    if (!other) return tl::unexpected<Error>(other.error());
+    options.other_zone = other->configuration();
+  }
+  options.aivs = arguments.aivs;
+  options.duration = from_seconds(60.0 * arguments.minutes);
+  if (!arguments.plant.empty()) {
+    const auto planted = experiments::parse_planted(arguments.plant);
+    if (!planted)
+      return fail("simulate.plant", "there is no defect '" + arguments.plant + "'; `cosiva simulate --help` lists them",
+                  "--plant");
+    options.planted = *planted;
+  }
+  if (!arguments.faults.empty()) options.only = arguments.faults;
+  return options;
+}
+
+/// Runs the seeds a block at a time, and reports each block in the order of its seeds.
+///
+/// Invariant: seeds are reported in ascending order, each once.
+class SeedRunner {
+ public:
+  SeedRunner(const SimulateArguments& arguments, FaultSimulationOptions options)
+      : arguments_{arguments},
+        options_{std::move(options)},
+        pool_{arguments.jobs > 0 ? arguments.jobs : std::max(1U, std::thread::hardware_concurrency())} {}
+
+  int run(SeedRange seeds) {
+    const std::uint64_t count = seeds.last - seeds.first + 1;
+    for (std::uint64_t from = 0; from < count; from += block_) {
+      std::vector<Result<FaultSimulationResult>> results(std::min(block_, count - from));
+      pool_.for_each(results.size(), [&](std::size_t i) {
+        results[i] = experiments::simulate_faults(seeds.first + from + i, options_);
+      });
+      for (const auto& result : results) {
+        if (!result) return report_error(result.error());
+        COSIVA_EXPECT(result->seed == seeds.first + totals_.seeds);
+        report(*result);
+      }
+      if (ticker_.ticks())
+        print_info(std::to_string(totals_.seeds) + " of " + std::to_string(count) + " seeds, " +
+                   std::to_string(totals_.failed) + " failed");
+    }
+    print_info(totals_text(totals_));
+    return totals_.failed == 0 ? exit_done : exit_check_failed;
+  }
+
+ private:
+  void report(const FaultSimulationResult& result) {
+    add(totals_, result);
+    if (arguments_.json)
+      print(seed_json(result, replay_command(arguments_, result, {})));
+    else if (result.violation || totals_.seeds <= 20)
+      print(seed_text(result));
+    if (!result.violation) return;
+    print_info(failure_text(result) + "\n  replay: " + replay_command(arguments_, result, {}));
+    if (arguments_.shrink) shrink_seed(result);
+  }
+
+  void shrink_seed(const FaultSimulationResult& result) {
+    SecondsTicker ticker;
+    const auto shrunk = experiments::shrink(result, options_, [&](std::size_t left) {
+      if (ticker.ticks()) print_info("  shrinking: " + std::to_string(left) + " faults left");
+    });
+    if (!shrunk) return print_info("  " + to_string(shrunk.error()));
+    std::string text = "  shrunk to " + std::to_string(shrunk->numbers.size()) + " of " +
+                       std::to_string(result.faults.size()) + " faults in " + std::to_string(shrunk->runs) + " runs:";
+    for (const experiments::Fault& fault : shrunk->result.faults) text += "\n    " + to_string(fault);
+    print_info(text + "\n" + failure_text(shrunk->result) +
+               "\n  replay: " + replay_command(arguments_, result, shrunk->numbers));
+  }
+
+  const SimulateArguments& arguments_;
+  FaultSimulationOptions options_;
+  adapters::ThreadPool pool_;
+  std::uint64_t block_{std::max<std::uint64_t>(8, 4 * pool_.threads())};
+  SeedTotals totals_;
+  SecondsTicker ticker_;
+};
+
+int list_schedules(const FaultSimulationOptions& options, SeedRange seeds) {
+  for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+    print("seed " + std::to_string(seed));
+    for (const experiments::Fault& fault : experiments::fault_schedule_of(seed, options))
+      print("  " + to_string(fault));
+  }
+  return exit_done;
+}
+
+}  // namespace
+
+int run_simulate(const SimulateArguments& arguments) {
+  const auto seeds = read_seeds(arguments.seeds);
+  if (!seeds) return report_error(seeds.error());
+  auto options = options_of(arguments);
+  if (!options) return report_error(options.error());
+  if (arguments.list) return list_schedules(*options, *seeds);
+  return SeedRunner{arguments, std::move(*options)}.run(*seeds);
+}
+
+}  // namespace cosiva::app

@@ -1,0 +1,58 @@
+#include "cosiva/experiments/faults/command_ledger.h"
+
+#include <gtest/gtest.h>
+
+namespace cosiva::experiments {
+namespace {
+
+const std::string stop = R"({"command":"stop","vehicle":"CoSiVA/AIV1"})";
+const std::string slow = R"({"command":"slow","vehicle":"CoSiVA/AIV1"})";
+
+TEST(CommandLedger, finds_an_accepted_stop_that_a_restart_has_lost) {
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(stop);
+  EXPECT_FALSE(ledger.on_given(stop, false));
+  EXPECT_FALSE(ledger.on_decided(stop, true));
+  EXPECT_TRUE(ledger.state().stopped("CoSiVA/AIV1"));
+  ledger.on_killed();
+  const Finding found = ledger.on_start({});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->invariant, "I2");
+}
+
+TEST(CommandLedger, permits_a_stop_without_a_response_to_be_lost) {
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(stop);
+  EXPECT_FALSE(ledger.on_given(stop, false));
+  ledger.on_killed();
+  EXPECT_FALSE(ledger.on_start({}));
+  EXPECT_FALSE(ledger.state().stopped("CoSiVA/AIV1"));
+}
+
+TEST(CommandLedger, finds_a_command_given_twice_and_one_given_before_it_is_durable) {
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(slow);
+  const Finding early = ledger.on_given(slow, true);
+  ASSERT_TRUE(early);
+  EXPECT_EQ(early->invariant, "I5");
+  const Finding again = ledger.on_given(slow, true);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->invariant, "I2");
+}
+
+TEST(CommandLedger, finds_a_persisted_state_that_does_not_follow_from_the_commands) {
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(stop);
+  EXPECT_FALSE(ledger.on_given(stop, false));
+  EXPECT_FALSE(ledger.on_persisted(R"({"intentions":{"all":{},"vehicles":{"CoSiVA/AIV1":{"stopped":true}}}})"));
+  const Finding found = ledger.on_persisted(R"({"intentions":{"all":{},"vehicles":{}}})");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->invariant, "I1");
+}
+
+}  // namespace
+}  // namespace cosiva::experiments

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "cosiva/base/json_value.h"
+#include "cosiva/base/time.h"
+#include "cosiva/experiments/faults/planted.h"
+#include "cosiva/experiments/faults/violation.h"
+#include "cosiva/experiments/runs/world/world.h"
+
+namespace cosiva::experiments {
+
+/// I4, I7 and I9 in what the server shows: each vehicle has one twin, no twin is shown as younger than the last report
+/// that the server received, and what the server and the network store is bounded.
+///
+/// Invariant: the time of a vehicle's last report never goes back.
+class TwinMonitor {
+ public:
+  static constexpr std::size_t in_transit_max = 100'000;
+  static constexpr std::size_t shown_commands_max = 200;
+
+  TwinMonitor(const World& world, std::uint32_t aivs, Planted planted)
+      : world_{world}, aivs_{aivs}, planted_{planted} {}
+
+  /// The server receives a message.
+  void on_received(SimTime now, const std::string& topic);
+  /// The server starts: its twins are new.
+  void on_server_start() { received_.clear(); }
+  /// Checks the present snapshot.
+  [[nodiscard]] Finding check() const;
+  /// Whether all vehicles are shown, with a report not older than `age_max`; otherwise the reason.
+  [[nodiscard]] std::string not_fresh(SimDuration age_max) const;
+  /// Vehicles ("CoSiVA/AIV1") that are too far from every path: a zone switch may leave them where only a person can
+  /// move them.
+  [[nodiscard]] std::set<std::string> off_circuit() const;
+  /// What the server shows of each vehicle that does not drive, for the report of a violation.
+  [[nodiscard]] std::string situation() const;
+
+ private:
+  [[nodiscard]] JsonValue snapshot() const;
+  [[nodiscard]] Finding check_vehicle(const JsonValue& aiv) const;
+  [[nodiscard]] double shown_age_ms(const JsonValue& aiv) const;
+
+  const World& world_;
+  std::uint32_t aivs_;
+  Planted planted_;
+  std::map<std::string, SimTime> received_;  ///< the last report of each vehicle, "CoSiVA/AIV1"
+};
+
+}  // namespace cosiva::experiments

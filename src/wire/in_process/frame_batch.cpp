@@ -1,0 +1,38 @@
+#include "cosiva/wire/in_process/frame_batch.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::wire {
+namespace {
+
+/// A list is in transit for 2 ms, so more than a few at a time are held by a receiver that stores them, such as a test.
+constexpr std::size_t lists_max = 8;
+
+}  // namespace
+
+void FrameBatch::begin() {
+  const auto is_free = [](const std::shared_ptr<BoardFrames>& list) { return list.use_count() == 1; };
+  if (const auto free = std::ranges::find_if(lists_, is_free); free != lists_.end()) {
+    filling_ = *free;
+    filling_->clear();
+    return;
+  }
+  filling_ = std::make_shared<BoardFrames>(vehicle_);
+  if (lists_.size() < lists_max) lists_.push_back(filling_);
+}
+
+void FrameBatch::add(Board board, std::uint8_t sequence, const BoardMessage& message) {
+  if (!filling_) begin();
+  filling_->add(board, sequence, message);
+}
+
+void FrameBatch::flush(const std::string& port, Effects& effects) {
+  if (!filling_) return;
+  COSIVA_EXPECT(!filling_->frames().empty());
+  effects.emplace_back(SendBytes{port, {}, std::exchange(filling_, nullptr)});
+}
+
+}  // namespace cosiva::wire
