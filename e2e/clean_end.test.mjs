@@ -36,7 +36,8 @@ test('the default folders are as clean', { timeout: 90_000 }, async (t) => {
   const system_tmp = new Set(readdirSync('/tmp'));
   const platform = await Platform.up(t, { folder, own_folders: true, env });
   await platform.stop();
-  // The store of a run remains, as its logs do.
+  // The store of a run remains, as its logs do: it is on without an option.
+  assert.ok(files_below(folder).some((name) => name.endsWith('.segment')), 'the server has kept a store');
   const left = files_below(folder).filter((name) => !/\.(log|segment|lock)$/.test(name));
   assert.deepEqual(left, []);
   const new_in_tmp = readdirSync('/tmp').filter((name) => !system_tmp.has(name) && /cosiva/i.test(name) && !/e2e/.test(name));

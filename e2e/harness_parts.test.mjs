@@ -5,7 +5,7 @@ import { connect, createServer } from 'node:net';
 import os from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
-import { CommandStates, differences, missing_commands, settings_after } from './harness/checks.mjs';
+import { CommandStates, differences, differences_or_stopped, missing_commands, settings_after } from './harness/checks.mjs';
 import { blake2b256, crc32c } from './harness/hashes.mjs';
 import { client_of, LossyProxy } from './harness/lossy_proxy.mjs';
 import { make_plan } from './harness/plan.mjs';
@@ -122,6 +122,49 @@ test('a confirmed command that the store lacks is found; one with the same id fr
   assert.equal(states.of(log[0], 'AIV1').length, 1);
 });
 
+test('a Stop may be missing only while it was not reported as durable', () => {
+  const body = { command: 'stop', vehicle: '*' };
+  const stop = { outcome: 'confirmed', id: 'S-1-1', body, sent_ms: 100_000, done_ms: 100_002 };
+  assert.equal(missing_commands([{ ...stop, durable: false }], []).length, 0);
+  assert.equal(missing_commands([{ ...stop, durable: true }], []).length, 1);
+});
+
+test('a vehicle may have taken a Stop that was lost, and is otherwise as the store has it', () => {
+  const free = { stopped: false, profile: null, limit: 0.2 };
+  const paused = { paused: true, status: 'stopped', speedLimit: 0.2 };
+  assert.equal(differences_or_stopped(paused, free, false).length, 1);
+  assert.deepEqual(differences_or_stopped(paused, free, true), []);
+  assert.deepEqual(differences_or_stopped({ ...paused, paused: false, status: 'Normal' }, free, true), []);
+  assert.deepEqual(differences_or_stopped({ ...paused, speedLimit: null }, free, true), ['paused is true', 'speedLimit is null']);
+});
+
+test('the witness excuses a vehicle whose Stop was lost, and demands the next Stop from then on', () => {
+  const found = [];
+  const witness = new Witness((what, { command }) => found.push(`${command}: ${what}`));
+  const began_ms = Date.now() - 5_000;
+  let x = 0;
+  const drive = (metres) => {
+    for (const end = x + metres; x < end - 1e-9; ) {
+      x += 0.05;
+      witness.accept('cosiva/v1/plant/ground_truth', { timestamp: new Date(began_ms + x * 2_000).toISOString(), vehicles: [{ number: 1, x, y: 0, speed: 0.5 }] });
+    }
+  };
+  let lost = false;
+  drive(0.1);
+  witness.hold(1, 'first', { now_ms: began_ms, lost: () => lost });
+  lost = true;
+  drive(1.5);
+  assert.deepEqual(found, []);
+  lost = false;
+  witness.hold(1, 'first', { now_ms: began_ms, lost: () => lost });
+  witness.hold(1, 'second');
+  lost = true;
+  drive(0.9); // the first is found to be lost here
+  assert.deepEqual(found, []);
+  drive(2.5);
+  assert.deepEqual(found, ['second: a stopped vehicle drove more than a braking distance']);
+});
+
 test('the witness accepts braking, and reports a stopped vehicle that drives on, moves later, or jumps', () => {
   const found = [];
   const witness = new Witness((what) => found.push(what));
@@ -134,13 +177,13 @@ test('the witness accepts braking, and reports a stopped vehicle that drives on,
   drive(0);
   metres(1);
   // The Stop is a second later than the messages that have arrived: what was driven before it does not count.
-  witness.hold(1, 'stop', at_ms + 1_000);
+  witness.hold(1, 'stop', { now_ms: at_ms + 1_000 });
   metres(1.2);
   assert.deepEqual(found, []);
   metres(0.2);
   assert.match(found.pop(), /more than a braking distance/);
   witness.release(1);
-  witness.hold(1, 'stop', at_ms - 4_000);
+  witness.hold(1, 'stop', { now_ms: at_ms - 4_000 });
   drive(x);
   // A plant that was frozen continues its braking.
   at_ms += 3_000;
@@ -155,7 +198,7 @@ test('the witness accepts braking, and reports a stopped vehicle that drives on,
   assert.match(found.pop(), /faster than it can/);
   witness.allow_teleports();
   drive((x += 1));
-  witness.hold(1, 'stop', at_ms);
+  witness.hold(1, 'stop', { now_ms: at_ms });
   at_ms += 8_000;
   drive((x += 1));
   assert.deepEqual(found, []);

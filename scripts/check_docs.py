@@ -4,7 +4,7 @@
 In *.md of the root folder and docs/**/*.md:
   - a path in backquotes that starts at one of our top folders (`src/zone/geometry/section.h`), * is a wildcard;
   - the target of a relative link or image;
-  - in docs/paper-map.md also every `Suite.test` in backquotes, which must exist as TEST(Suite, test) in src/ or e2e/.
+  - in docs/paper-map.md and docs/reliability.md also every `Suite.test` in backquotes, which must exist as TEST(Suite, test) in src/ or e2e/.
 --self-test checks small good and bad documents.
 """
 
@@ -19,6 +19,8 @@ PATH = re.compile(rf"`({TOPS}(?:/[\w.*@+-]+)+/?)(?::\d+)?`")
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 TEST_NAME = re.compile(r"`([A-Z]\w*)\.([a-zA-Z]\w*)`")
 TEST_CASE = re.compile(r"\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)")
+# Documents in which `Suite.test` is the name of a test.
+NAMES_TESTS = ("docs/paper-map.md", "docs/reliability.md")
 # Created by building or testing, therefore not in a fresh checkout.
 MADE = ("web/dist", "e2e/artefacts")
 
@@ -36,7 +38,7 @@ def check(root):
             for target in LINK.findall(line):
                 if "://" not in target and not target.startswith("mailto:") and not (document.parent / target).exists():
                     problems.append(f"{where}: the link target {target} does not exist")
-            if name == "docs/paper-map.md":
+            if name in NAMES_TESTS:
                 if tests is None:
                     files = [*(root / "src").rglob("*.cpp"), *(root / "e2e").glob("*.cpp")]
                     tests = {case for file in files for case in TEST_CASE.findall(file.read_text())}

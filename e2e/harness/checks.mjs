@@ -32,9 +32,13 @@ function is_of(stored, entry) {
   );
 }
 
-/** Confirmed requests that the store does not contain. */
+/** Confirmed requests that the store does not contain: commands, and Stops that were reported as durable. */
 export function missing_commands(log, commands) {
-  return log.filter((entry) => entry.outcome === 'confirmed' && !commands.some((stored) => is_of(stored, entry)));
+  return log.filter((entry) => entry.outcome === 'confirmed' && entry.durable !== false && !in_store(entry, commands));
+}
+
+export function in_store(entry, commands) {
+  return commands.some((stored) => is_of(stored, entry));
 }
 
 /** Commands that the store executes more than once. */
@@ -53,6 +57,13 @@ export function differences(aiv, wanted) {
   if (!wanted.stopped && profile !== undefined && (shown || (profile && aiv.status === 'Normal')) && aiv.status !== profile_status[profile]) found.push(`status is ${aiv.status}`);
   if ((aiv.speedLimit ?? null) !== wanted.limit) found.push(`speedLimit is ${aiv.speedLimit}`);
   return found;
+}
+
+/** The same of a vehicle that may have taken a Stop which the store has lost, before that was durable. */
+export function differences_or_stopped(aiv, wanted, stop_was_lost) {
+  const found = differences(aiv, wanted);
+  if (!stop_was_lost || found.length === 0) return found;
+  return differences(aiv, { ...wanted, stopped: true }).length === 0 ? [] : found;
 }
 
 /** Whether the fleet is as it must be without faults; a text about the first deviation, or ''. */
@@ -87,18 +98,20 @@ export class CommandStates {
 /**
  * Confirmed commands about whose end nothing is known: neither materialised, nor failed with a reason, nor replaced by a later
  * one of the same vehicle, nor visible in the vehicle's settings.
+ *
+ * @param stop_was_lost  a Set of the serial numbers of vehicles that may have taken a Stop which was lost
  */
-export function unfinished_commands(operators, states, snapshot, settings) {
+export function unfinished_commands(operators, states, snapshot, settings, stop_was_lost) {
   const unfinished = [];
   for (const [index, entry] of operators.log.entries()) {
-    if (entry.outcome !== 'confirmed' || entry.checked) continue;
+    if (entry.outcome !== 'confirmed' || entry.checked || entry.lost) continue;
     for (const serial of serials_of(entry.body, operators.aivs)) {
       const seen = states.of(entry, serial);
       if (seen.some(({ state, reason }) => state === 'materialised' || (state === 'failed' && reason !== ''))) continue;
       const replaced = operators.log.slice(index + 1).some(({ body, outcome }) => outcome !== 'refused' && serials_of(body, operators.aivs).includes(serial));
       if (replaced || entry.body.command === 'circulate') continue;
       const aiv = snapshot.aivs.find(({ id }) => id === `CoSiVA/${serial}`);
-      if (aiv && differences(aiv, settings.get(serial)).length === 0) continue;
+      if (aiv && differences_or_stopped(aiv, settings.get(serial), stop_was_lost.has(serial)).length === 0) continue;
       unfinished.push({ command: entry.body, id: entry.id, vehicle: serial, state: seen.map(({ state, reason }) => `${state} ${reason}`.trim()) });
     }
   }

@@ -14,7 +14,7 @@ export function idle_connections(port, count) {
 }
 
 /** Sends a JSON body of that size; the status of the response, or the error's code. */
-export function send_large_body(port, path, megabytes, within_ms = 20_000) {
+export function send_large_body(port, path, megabytes, within_ms = 60_000) {
   const beginning = path === 'commands' ? '{"command":"stop","vehicle":"' : '{"file":"large.toml","text":"';
   const body = Buffer.concat([Buffer.from(beginning), Buffer.alloc(megabytes << 20, 'a'), Buffer.from('"}')]);
   return new Promise((resolve) => {

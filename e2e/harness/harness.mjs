@@ -5,7 +5,7 @@ import { monitorEventLoopDelay } from 'node:perf_hooks';
 import path from 'node:path';
 import { Worker } from 'node:worker_threads';
 import { alive, cosiva_binary, eventually, send_signal, sleep } from '../lib/platform.mjs';
-import { CommandStates, differences, fleet_problem, missing_commands, repeated_commands, settings_after, unfinished_commands } from './checks.mjs';
+import { CommandStates, differences_or_stopped, fleet_problem, in_store, missing_commands, repeated_commands, settings_after, unfinished_commands } from './checks.mjs';
 import { idle_connections, send_large_body } from './clients.mjs';
 import { begin_netem } from './netem.mjs';
 import { Operators, serials_of } from './operators.mjs';
@@ -13,13 +13,21 @@ import { Site } from './site.mjs';
 import { SmallDisk } from './small_disk.mjs';
 import { Witness } from './witness.mjs';
 
+const start_ms = 90_000; // of `up`, also on a busy machine
 const recovery_ms = 10_000; // from the end of the faults until every AIV is ONLINE
 const hold_after_recovery_ms = 4_000;
 const drive_ms = 30_000;
 const driven_m = 0.15;
 const command_end_ms = 9_000; // a command fails by itself after 5 s
 const disk_notice_ms = 3_000;
+const durable_ms = 2_000; // of a working server on a working disk, from a Stop's response until its record is durable
+const body_delay_ms = 2_000; // of any other request while a large body is evaluated
 const orphans_end_ms = 8_000;
+
+/** The time since then, as far as the server was observed: this program may have been delayed itself. */
+function observed_ms(from_ms) {
+  return Math.min(Date.now() - from_ms, 600);
+}
 
 export class Harness {
   /** @param disk_megabytes  60 kB/s are recorded with four AIVs, and large bodies, too */
@@ -34,6 +42,8 @@ export class Harness {
     this.server_faults = 0;
     this.pending = new Set();
     this.enders = new Set();
+    this.stop_was_lost = new Set(); // serial numbers
+    this.hindrances = { begun: 0, present: 0 };
   }
 
   print(text) {
@@ -90,7 +100,7 @@ export class Harness {
     this.states ??= new CommandStates();
     this.begin_polling();
     await this.follow_broker();
-    if (!(await this.recovered(40_000, 'the start'))) throw new Error(`the platform does not start:\n${this.site.up.words.slice(-2000)}`);
+    if (!(await this.recovered(start_ms, 'the start'))) throw new Error(`the platform does not start:\n${this.site.up.words.slice(-2000)}`);
     for (const [index, episode] of episodes.entries()) {
       if (this.time_is_up()) break;
       await this.run_episode(episode, `${number}.${index + 1}`);
@@ -231,40 +241,119 @@ export class Harness {
     if (part === 'server' || part === 'up') ++this.server_faults;
     const pid = this.site.freeze(part);
     if (!pid) return this.print(`${part} is not running`);
+    const unhinder = part === 'server' ? this.hinder() : () => {};
     await this.lasting(ms, () => this.site.thaw(pid));
+    unhinder();
   }
 
   async idle({ count, ms }) {
     const close = idle_connections(this.site.port, count);
+    const unhinder = this.hinder();
     await this.lasting(ms, close);
+    unhinder();
   }
 
   async large_body({ megabytes, path: where }) {
     const pid = this.site.pid('server');
     const ours = this.server_faults;
     const began_ms = Date.now();
-    const status = await send_large_body(this.site.port, where, megabytes);
-    this.print(`${megabytes} MB to ${where}: ${status} after ${Date.now() - began_ms} ms`);
+    const sent = send_large_body(this.site.port, where, megabytes);
+    const slowest_ms = await this.slowest_request_until(sent);
+    const status = await sent;
+    this.print(`${megabytes} MB to ${where}: ${status} after ${Date.now() - began_ms} ms; other requests took ${slowest_ms} ms at most`);
+    if (slowest_ms > body_delay_ms && this.server_faults === ours) this.violation('a large body delayed other requests', { where, status, slowest_ms });
     if (status >= 200 && status < 300) this.violation('a meaningless body was accepted', { where, status });
     if (pid && this.site.pid('server') !== pid && this.server_faults === ours) this.violation('the server was ended by a large body', { where, status, ms: Date.now() - began_ms, up: this.site.up.words.slice(-300) });
-    if (status === 'LATE' && this.site.pid('server') === pid && !this.site.frozen.has(pid)) this.violation('no response to a large body within 20 s', { where });
+    if (status === 'LATE' && this.site.pid('server') === pid && !this.site.frozen.has(pid)) this.violation('no response to a large body within a minute', { where });
+  }
+
+  /** How long a request took at most until the promise was settled, less the delays by this program and other faults. */
+  async slowest_request_until(promise) {
+    let settled = false;
+    promise.finally(() => (settled = true));
+    let slowest_ms = 0;
+    while (!settled) {
+      const lag = monitorEventLoopDelay({ resolution: 5 });
+      lag.enable();
+      const began_ms = Date.now();
+      const { begun } = this.hindrances;
+      await this.operators.get('snapshot', 5_000).catch(() => {});
+      lag.disable();
+      const hindered = this.hindrances.present > 0 || this.hindrances.begun !== begun;
+      if (!hindered) slowest_ms = Math.max(slowest_ms, Math.round(Date.now() - began_ms - lag.max / 1e6));
+      await sleep(50);
+    }
+    return slowest_ms;
+  }
+
+  /** A fault begins that delays the server's responses. Returns the function that ends it. */
+  hinder() {
+    ++this.hindrances.begun;
+    ++this.hindrances.present;
+    return () => --this.hindrances.present;
   }
 
   async command(operator, body) {
+    const server = this.site.pid('server');
     const entry_of = this.operators.give(operator, body);
     if (body.command === 'restart') for (const serial of serials_of(body, this.aivs)) this.witness.release(Number(serial.slice(3)));
     const entry = await entry_of;
     this.print(`operator ${operator}: ${body.command} ${body.vehicle}${body.speed ? ` ${body.speed}` : ''}: ${entry.outcome} ${entry.status ?? entry.reason} ${entry.id ?? entry.error?.code ?? ''}`);
-    if (entry.outcome === 'confirmed' && body.command === 'stop') this.hold(entry);
+    if (entry.outcome === 'confirmed' && body.command === 'stop') this.accept_stop(entry, server);
     if (entry.status === 503 && !entry.error?.message) this.violation('503 without a reason', entry);
     return entry;
   }
 
+  accept_stop(entry, server) {
+    if (!entry.states_durable) this.violation('the response to a Stop does not state whether it is durable', entry);
+    entry.server = server ?? this.site.pid('server');
+    if (!entry.durable) this.follow_durability(entry);
+    this.hold(entry);
+  }
+
   /** A restart that may still take effect makes the outcome open; the store decides then. */
   hold(entry) {
+    const lost = () => !entry.durable && this.site.pid('server') !== entry.server;
     for (const serial of serials_of(entry.body, this.aivs)) {
       if (this.operators.restart_is_open(serial) || this.restarted_since(serial, entry)) continue;
-      this.witness.hold(Number(serial.slice(3)), `${entry.id} stop ${entry.body.vehicle}`);
+      this.witness.hold(Number(serial.slice(3)), `${entry.id} stop ${entry.body.vehicle}`, { lost });
+    }
+  }
+
+  /** A Stop must become durable while its server and the disk work. What the server was prevented from does not count. */
+  async follow_durability(entry) {
+    const { site } = this;
+    let worked_ms = 0;
+    let hindered = false;
+    for (let before_ms = Date.now(); this.site === site && site.pid('server') === entry.server && worked_ms < durable_ms; ) {
+      const shown = await this.operators.get(`commands/${entry.id}`, 500).catch(() => null);
+      if (shown?.durable) {
+        entry.durable = true;
+        if (!hindered) this.slowest_durable_ms = Math.max(this.slowest_durable_ms ?? 0, worked_ms + observed_ms(before_ms));
+        return;
+      }
+      entry.durable_reason = shown?.reason ?? entry.durable_reason;
+      if (this.disk.full || site.frozen.has(entry.server)) {
+        hindered = true;
+        worked_ms = 0;
+      } else worked_ms += observed_ms(before_ms);
+      before_ms = Date.now();
+      await sleep(25);
+    }
+    if (worked_ms >= durable_ms) this.violation(`a Stop is not durable ${durable_ms / 1_000} s after its response although the disk works`, { id: entry.id, reason: entry.durable_reason });
+  }
+
+  /** Of the Stops that were not durable when their server ended: which the store contains, and which are lost. */
+  settle_stops(commands) {
+    const server = this.site.pid('server');
+    for (const entry of this.operators.log) {
+      if (entry.outcome !== 'confirmed' || entry.durable !== false || entry.lost || entry.server === server) continue;
+      entry.durable = in_store(entry, commands);
+      entry.lost = !entry.durable;
+      if (!entry.lost) continue;
+      this.count('Stop lost before it was durable');
+      this.print(`Stop ${entry.id} was not durable when the server ended, and is not in the store`);
+      for (const serial of serials_of(entry.body, this.aivs)) this.stop_was_lost.add(serial);
     }
   }
 
@@ -291,8 +380,8 @@ export class Harness {
 
   async fill({ ms, strict }) {
     if (!this.disk.can_fill) return this.print('the disk cannot be filled here');
+    await this.disk.fill();
     const until_ms = Date.now() + ms;
-    this.disk.fill();
     const ended = this.lasting(ms, () => this.disk.free());
     if (strict) await this.check_full_disk(until_ms);
     await ended;
@@ -371,6 +460,7 @@ export class Harness {
   }
 
   check_confirmed({ commands }, when) {
+    this.settle_stops(commands);
     const log = this.operators.log.filter(({ missed }) => !missed);
     const missing = missing_commands(log, commands);
     for (const entry of missing) entry.missed = true;
@@ -429,11 +519,11 @@ export class Harness {
       try {
         const snapshot = await this.operators.get('snapshot');
         this.states.accept(snapshot);
-        found = snapshot.aivs.filter(({ augmented }) => !augmented).map((aiv) => ({ vehicle: aiv.id, wanted: settings.get(`AIV${aiv.number}`), differences: differences(aiv, settings.get(`AIV${aiv.number}`)) }));
+        found = snapshot.aivs.filter(({ augmented }) => !augmented).map((aiv) => ({ vehicle: aiv.id, wanted: settings.get(`AIV${aiv.number}`), differences: differences_or_stopped(aiv, settings.get(`AIV${aiv.number}`), this.stop_was_lost.has(`AIV${aiv.number}`)) }));
         found = found.filter(({ differences: some }) => some.length > 0);
         excused = found.filter(({ vehicle }) => this.failed_with_reason(vehicle, commands));
         found = found.filter((one) => !excused.includes(one));
-        const unfinished = unfinished_commands(this.operators, this.states, snapshot, settings);
+        const unfinished = unfinished_commands(this.operators, this.states, snapshot, settings, this.stop_was_lost);
         if (found.length === 0 && unfinished.length === 0) break;
         if (Date.now() > end_ms) {
           if (found.length > 0) this.violation("vehicles do not obey the last commands in the store's order", found);
@@ -470,6 +560,7 @@ export class Harness {
       const accepted = await this.repeated_until(Date.now() + 5_000, body, ({ status }) => status === 202);
       if (!accepted) return this.violation(`${body.command} is not accepted although all faults have ended`, { last: this.operators.log.at(-1) });
     }
+    this.stop_was_lost.clear();
     const before = this.witness.distances();
     const waiting = () => [...this.witness.distances()].filter(([number, distance]) => distance - (before.get(number) ?? 0) < driven_m).map(([number]) => `AIV${number}`);
     const began_ms = Date.now();

@@ -67,6 +67,7 @@ const keep = values.keep || harness.violations.length > 0;
 if (!keep) rmSync(folder, { recursive: true, force: true });
 console.log(`injected: ${Object.entries(harness.counts).sort().map(([what, count]) => `${what} ${count}`).join(', ')}`);
 for (const { at_s, episode, what } of harness.violations) console.log(`violation at ${at_s.toFixed(2)} s, episode ${episode}: ${what}`);
+if (harness.slowest_durable_ms !== undefined) console.log(`the slowest Stop was durable ${harness.slowest_durable_ms} ms after its response`);
 if (keep) console.log(`logs: ${folder}`);
 const verdict = `${harness.violations.length === 0 ? 'passed' : `${harness.violations.length} violations`}${harness.interrupted ? ', interrupted' : ''}`;
 console.log(values.case ? `case ${values.case}: ${verdict}` : `seed ${seed}: ${verdict}; scripts/chaos --seed ${seed} --minutes ${minutes} --aivs ${aivs} repeats the schedule`);

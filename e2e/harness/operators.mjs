@@ -19,7 +19,10 @@ export class Operators {
     return response.json();
   }
 
-  /** @returns the entry: {operator, body, sent_ms, done_ms, status, id, error, outcome: confirmed|refused|unknown} */
+  /**
+   * @returns the entry: {operator, body, sent_ms, done_ms, status, id, error, outcome: confirmed|refused|unknown, durable}.
+   * `durable` is false of a Stop whose record the response states to be not durable yet
+   */
   async give(operator, body) {
     const entry = { operator, body, sent_ms: Date.now(), outcome: 'open' };
     this.log.push(entry);
@@ -35,6 +38,8 @@ export class Operators {
       const content = await response.json();
       entry.id = content.id;
       entry.error = content.error;
+      entry.durable = response.status === 202 && content.durable !== false;
+      entry.states_durable = typeof content.durable === 'boolean';
       entry.outcome = response.status === 202 ? 'confirmed' : 'refused';
     } catch (error) {
       entry.done_ms = Date.now();

@@ -1,8 +1,9 @@
 // The disk of the store: a small tmpfs where mounting is permitted; otherwise an ordinary folder, and RLIMIT_FSIZE of the
 // running server instead of a full disk.
-import { execFileSync } from 'node:child_process';
+import { execFile, execFileSync } from 'node:child_process';
 import { closeSync, mkdirSync, openSync, rmSync, statfsSync, writeSync } from 'node:fs';
 import path from 'node:path';
+import { promisify } from 'node:util';
 
 function runs(command, args) {
   try {
@@ -18,7 +19,7 @@ export class SmallDisk {
   static make(folder, megabytes, limit_of_server) {
     const disk = new SmallDisk();
     mkdirSync(folder, { recursive: true });
-    Object.assign(disk, { folder, limit_of_server });
+    Object.assign(disk, { folder, limit_of_server, full: false });
     disk.mounted = runs('mount', ['-t', 'tmpfs', '-o', `size=${megabytes}M,mode=0700`, 'tmpfs', folder]);
     disk.limits = !disk.mounted && runs('prlimit', ['--version']);
     disk.kind = disk.mounted ? `tmpfs of ${megabytes} MB` : disk.limits ? 'RLIMIT_FSIZE of the server (no permission to mount)' : 'none (neither mount nor prlimit)';
@@ -35,9 +36,14 @@ export class SmallDisk {
   }
 
   /** Leaves no block free. */
-  fill() {
+  async fill() {
+    this.full = true;
     if (!this.mounted) return runs('prlimit', ['--pid', String(this.limit_of_server()), '--fsize=1:']);
-    const file = openSync(path.join(this.folder, 'filler'), 'a');
+    // The bulk by another process, since on a busy machine it takes long; the rest by writing, until the disk refuses.
+    const filler = path.join(this.folder, 'filler');
+    await promisify(execFile)('fallocate', ['-l', String(Math.max(4096, this.free_bytes() - (1 << 20))), filler]).catch(() => {});
+    if (!this.full) return this.free();
+    const file = openSync(filler, 'a');
     const block = Buffer.alloc(1 << 20);
     for (let bytes = block.length; bytes >= 512; ) {
       try {
@@ -52,6 +58,7 @@ export class SmallDisk {
   }
 
   free() {
+    this.full = false;
     if (this.mounted) return rmSync(path.join(this.folder, 'filler'), { force: true });
     const pid = this.limit_of_server();
     if (pid) runs('prlimit', ['--pid', String(pid), '--fsize=unlimited:']);

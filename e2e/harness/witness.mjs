@@ -23,7 +23,7 @@ export class Witness {
     this.on_violation = on_violation;
     this.vehicles = new Map(); // number: {x, y, distance, speed, received_ms}
     this.states = new Map(); // serial number: the last VDA 5050 state
-    this.holds = new Map(); // number: {since_ms, distance, allowed_m, settled?: distance}
+    this.holds = new Map(); // number: {since_ms, distance, allowed_m, settled?: distance, stops: [{why, lost}]}
     this.teleports_allowed_until_ms = 0;
     this.received_ms = 0;
   }
@@ -70,11 +70,29 @@ export class Witness {
     this.teleports_allowed_until_ms = Date.now() + for_ms;
   }
 
-  /** From now on the vehicle must brake, and then not move. */
-  hold(number, why, now_ms = Date.now()) {
+  /**
+   * From now on the vehicle must brake, and then not move.
+   *
+   * @param lost  () => the Stop does not count any more, because the server ended before it was durable
+   */
+  hold(number, why, { now_ms = Date.now(), lost = () => false } = {}) {
+    const before = this.holds.get(number);
+    if (before) return before.stops.push({ why, lost }); // the first Stop is the stricter one
+    this.begin_hold(number, [{ why, lost }], now_ms);
+  }
+
+  begin_hold(number, stops, now_ms) {
     const vehicle = this.vehicles.get(number);
-    if (this.holds.has(number)) return; // the first Stop is the stricter one
-    this.holds.set(number, { since_ms: now_ms, why, distance: vehicle?.distance ?? 0, allowed_m: allowed_distance(vehicle ? now_ms - vehicle.stamp_ms : 0) });
+    this.holds.set(number, { since_ms: now_ms, stops, distance: vehicle?.distance ?? 0, allowed_m: allowed_distance(vehicle ? now_ms - vehicle.stamp_ms : 0) });
+  }
+
+  /** The vehicle has moved: is that because its first Stop was lost? What remains of its Stops holds from now on. */
+  excused(number, hold) {
+    if (!hold.stops[0].lost()) return false;
+    const stops = hold.stops.filter(({ lost }) => !lost());
+    this.holds.delete(number);
+    if (stops.length > 0) this.begin_hold(number, stops, Date.now());
+    return true;
   }
 
   release(number) {
@@ -92,8 +110,9 @@ export class Witness {
     }
     const since_stop_ms = stamp_ms - hold.since_ms;
     const report = (what, metres) => {
+      if (this.excused(number, hold)) return;
       hold.reported = true;
-      this.on_violation(what, { vehicle: `AIV${number}`, metres: Number(metres.toFixed(3)), since_stop_ms, command: hold.why, x, y, paused: this.states.get(`AIV${number}`)?.paused });
+      this.on_violation(what, { vehicle: `AIV${number}`, metres: Number(metres.toFixed(3)), since_stop_ms, command: hold.stops[0].why, x, y, paused: this.states.get(`AIV${number}`)?.paused });
     };
     if (distance - hold.distance > hold.allowed_m) return report('a stopped vehicle drove more than a braking distance', distance - hold.distance);
     // A frozen plant continues the braking where it was.

@@ -24,6 +24,8 @@ class InputQueue {
   /// Drops what waits and all that follows.
   void close();
   [[nodiscard]] bool closed() const { return closed_; }
+  /// Whether no input waits for its turn.
+  [[nodiscard]] bool empty() const { return waiting_.empty(); }
   /// The number of inputs handled.
   [[nodiscard]] std::uint64_t handled() const { return handled_; }
 

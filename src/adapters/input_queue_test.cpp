@@ -25,16 +25,19 @@ TEST(InputQueue, handles_each_input_at_once) {
 TEST(InputQueue, handles_an_input_that_another_one_causes_after_that_one) {
   std::vector<std::string> handled;
   InputQueue* inputs = nullptr;
+  std::vector<bool> last;
   InputQueue queue{[&](const wire::Input& input, const InputQueue::Durable&) {
     if (input.source == "a") {
       inputs->push(named("b"));
       inputs->push(named("c"));
     }
     handled.push_back(input.source);
+    last.push_back(inputs->empty());
   }};
   inputs = &queue;
   queue.push(named("a"));
   EXPECT_THAT(handled, ElementsAre("a", "b", "c"));
+  EXPECT_THAT(last, ElementsAre(false, false, true));
 }
 
 TEST(InputQueue, handles_nothing_that_waited_when_it_was_closed) {

@@ -313,6 +313,9 @@ void LiveShell::urgent_command(const std::string& source, std::string json,
 }
 void LiveShell::after_input(std::function<void()> action) { impl_->after_input = std::move(action); }
 void LiveShell::stop(const std::function<void(const std::string& digest)>& done) { impl_->stop(done); }
+bool LiveShell::gives_earlier_commands() const {
+  return !impl_->restarting.earlier_commands.empty() || !impl_->inputs.empty();
+}
 bool LiveShell::link_up() const { return impl_->links.up(); }
 std::uint64_t LiveShell::inputs() const { return impl_->inputs.handled(); }
 

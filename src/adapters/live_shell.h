@@ -60,6 +60,8 @@ class LiveShell {
   void stop(const std::function<void(const std::string& digest)>& done);
 
   [[nodiscard]] bool link_up() const;
+  /// Whether the core has still to be given commands that an earlier process accepted.
+  [[nodiscard]] bool gives_earlier_commands() const;
   [[nodiscard]] std::uint64_t inputs() const;
 
  private:

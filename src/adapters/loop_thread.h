@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <thread>
 
@@ -19,9 +20,18 @@ class LoopThread {
   LoopThread(const LoopThread&) = delete;
   LoopThread& operator=(const LoopThread&) = delete;
 
+  /// How soon the thread gets a processor once it has something to do, on a machine with more work than processors.
+  enum class Priority : std::uint8_t {
+    usual,
+    /// Before all usual threads of the machine (SCHED_RR, lowest priority), where the process may have that
+    /// (CAP_SYS_NICE, RLIMIT_RTPRIO); otherwise usual. For what an operator waits for, with little work at any load. A
+    /// nice value would not do: Linux divides the processors between sessions before it compares nice values.
+    urgent,
+  };
+
   [[nodiscard]] EventLoop& loop() { return loop_; }
   /// Begins to handle the events of the loop. The thread does not run yet (checked).
-  void start();
+  void start(Priority priority = Priority::usual);
   /// Ends the thread after the event that the thread handles now; what was posted and not handled waits for the
   /// next start. Does nothing where the thread does not run. Not for the thread itself (checked).
   void stop();

@@ -1,10 +1,12 @@
 #include "cosiva/adapters/loop_thread.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <future>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cosiva/adapters/test_fixture.h"
@@ -86,6 +88,33 @@ TEST(LoopThread, can_be_started_again) {
     EXPECT_EQ(reached.get_future().wait_for(timeout), std::future_status::ready);
     thread.stop();
   }
+}
+
+int policy() { return ::sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
+
+/// The policies of a loop's thread, and of a thread that it starts.
+std::pair<int, int> policies_of(LoopThread::Priority priority) {
+  LoopThread thread;
+  thread.start(priority);
+  std::promise<std::pair<int, int>> policies;
+  thread.loop().post([&] {
+    int started = -1;
+    std::thread{[&] { started = policy(); }}.join();
+    policies.set_value({policy(), started});
+  });
+  return policies.get_future().get();
+}
+
+TEST(LoopThread, runs_before_all_usual_threads_where_it_is_urgent_and_the_process_may_have_that) {
+  const int before = policy();
+  bool is_permitted = false;
+  std::thread{[&] {
+    const sched_param lowest{::sched_get_priority_min(SCHED_RR)};
+    is_permitted = ::sched_setscheduler(0, SCHED_RR, &lowest) == 0;
+  }}.join();
+  EXPECT_EQ(policies_of(LoopThread::Priority::urgent), std::pair(is_permitted ? SCHED_RR : before, before));
+  EXPECT_EQ(policies_of(LoopThread::Priority::usual), std::pair(before, before));
+  EXPECT_EQ(policy(), before);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ CallContext::CallContext(PageHost host) : host_{std::move(host)} {
 
 Result<void> CallContext::give(std::string json) {
   auto decoded = std::make_shared<const virtual_side::DecodedCommand>(json);
+  if (host_.core->was_given(*decoded)) return {};
   if (auto checked = host_.core->check_command(*decoded); !checked) return checked;
   give_unchecked(std::move(json), std::move(decoded));
   return {};

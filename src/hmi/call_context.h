@@ -15,6 +15,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/hmi/server_page.h"
 #include "cosiva/hmi/stop_book.h"
+#include "cosiva/hmi/unique_ids.h"
 #include "cosiva/zone/layout/circuit_factory.h"
 
 namespace cosiva::app {
@@ -41,8 +42,11 @@ class CallContext {
   explicit CallContext(PageHost host);
 
   [[nodiscard]] const PageHost& host() const { return host_; }
+  /// An id that no other command has or will have.
+  [[nodiscard]] std::string next_command_id() { return command_ids_.next(); }
   /// Has the core check a command and, where the core would accept it, gives it to the core, now or once the command is
-  /// durable. Fails with the core's refusal.
+  /// durable. A command with a client's id that the core was given before is not given again. Fails with the core's
+  /// refusal.
   [[nodiscard]] Result<void> give(std::string json);
   /// Gives a command that the core evaluates itself, whatever a check would find.
   void give_unchecked(std::string json, std::shared_ptr<const virtual_side::DecodedCommand> decoded);
@@ -76,6 +80,7 @@ class CallContext {
  private:
   PageHost host_;
   std::shared_ptr<StopBook> stops_{std::make_shared<StopBook>()};
+  UniqueIds command_ids_{'C'};
   std::size_t undecided_{0};
   std::optional<Error> failure_;
   std::function<adapters::HttpResponse()> response_;

@@ -6,6 +6,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/hmi/http_responses.h"
 #include "cosiva/hmi/stop_calls.h"
+#include "cosiva/hmi/unique_ids.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::app {
@@ -64,6 +65,19 @@ std::size_t count_virtual(const virtual_side::ServerCore& core) {
   return count;
 }
 
+/// The id that the client has chosen for its command, where it has.
+Result<std::optional<std::string>> chosen_id(const JsonValue& body) {
+  const JsonValue* id = body.find("id");
+  if (id == nullptr) return std::nullopt;
+  if (id->text() == nullptr || !valid_client_id(*id->text())) {
+    return fail("command.id",
+                "an id has 1 to 64 of A-Z a-z 0-9 _ . : -, and is not of the form of the server's own ids (C-…, S-…, "
+                "c-…, c12); a UUID is suitable; without an id the server gives one",
+                "id");
+  }
+  return *id->text();
+}
+
 }  // namespace
 
 HttpResponse post_command(CallContext& context, const Call& call) {
@@ -71,9 +85,12 @@ HttpResponse post_command(CallContext& context, const Call& call) {
     const auto stop = read_stop(call.body, context.stops()->begin());
     return stop ? give_stop(context, *stop) : refusal(stop.error());
   }
-  const std::string id = context.host().core->next_command_id();
+  const auto chosen = chosen_id(call.body);
+  if (!chosen) return refusal(chosen.error());
+  const std::string id = *chosen ? **chosen : context.next_command_id();
   JsonWriter json;
   json.begin_object().field("id", id);
+  if (*chosen) json.field("once", true);
   for (const char* key : {"command", "vehicle", "vehicles", "speed", "to", "loop", "section"})
     if (const JsonValue* value = call.body.find(key)) write_json(json.key(key), *value);
   json.end_object();

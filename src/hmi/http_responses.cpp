@@ -16,6 +16,7 @@ HttpResponse json_response(std::string json, unsigned status) {
 HttpResponse refusal(const Error& error) {
   using Case = std::pair<std::string_view, unsigned>;
   static constexpr std::array cases{Case{"command.impossible", 409},
+                                    Case{"command.id_taken", 409},
                                     Case{"edit.undo", 409},
                                     Case{"edit.redo", 409},
                                     Case{"edit.zone", 409},

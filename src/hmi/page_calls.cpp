@@ -177,6 +177,7 @@ void PageCalls::handle_changes() {
   if (std::exchange(handling_, true)) return;
   while (!changes_.empty()) {
     Change& change = changes_.front();
+    if (!change.response && waits_for_earlier_commands()) break;
     if (!change.response) change.response = response(change.read);
     if (context_.undecided() > 0) break;
     const auto failure = context_.take_failure();
@@ -190,6 +191,10 @@ void PageCalls::handle_changes() {
         (void)give_stop(context_, *again);
   }
   handling_ = false;
+}
+
+bool PageCalls::waits_for_earlier_commands() const {
+  return host().gives_earlier_commands && host().gives_earlier_commands();
 }
 
 HttpResponse PageCalls::response(const ReadCall& read) {

@@ -43,9 +43,13 @@ class PageCalls {
   [[nodiscard]] static tl::expected<ReadCall, adapters::HttpResponse> read(adapters::HttpRequest request,
                                                                            const ZoneLibrary& zones);
   /// Handles a call. A call that changes something is responded to once its commands are durable. Changes are handled
-  /// one after the other, so that each is checked against what the one before has made of the platform. A Stop waits
-  /// for nothing.
+  /// one after the other, so that each is checked against what the one before has made of the platform, and after the
+  /// commands that an earlier process accepted. A Stop waits for nothing.
   void handle(ReadCall read, Respond respond);
+  /// The core has handled an input: changes that waited for the commands of an earlier process are handled.
+  void continue_changes() {
+    if (!changes_.empty()) handle_changes();
+  }
   /// Gives the core a Stop at once. A Restart of the same vehicles that was sent earlier and still waits does not lift
   /// it: one that waits for its turn is refused, and after the one that waits for the disk the Stop is given again.
   [[nodiscard]] adapters::HttpResponse stop(const StopRequest& stop);
@@ -76,6 +80,8 @@ class PageCalls {
     std::optional<adapters::HttpResponse> response;  ///< that counts when its commands are stored
   };
   void handle_changes();
+  /// Whether the next change, which has not been handled, waits for the commands of an earlier process.
+  [[nodiscard]] bool waits_for_earlier_commands() const;
   /// Refuses the waiting Restarts of these vehicles; whether one of them has been given already.
   bool refuse_restarts(const std::vector<std::string>& vehicles);
 

@@ -144,6 +144,44 @@ TEST_F(SlowDisk, gives_different_ids_to_changes_that_wait_at_the_same_time) {
   EXPECT_EQ(page.server.snapshot().find("virtualObjects")->array()->size(), 2U);
 }
 
+/// A page whose core has still to be given the commands of an earlier process.
+struct EarlierCommands : PageFixture {
+  EarlierCommands() {
+    PageHost host = this->host();
+    host.gives_earlier_commands = [this] { return gives; };
+    calls.emplace(std::move(host));
+  }
+  /// The responses are added to `responses` when they come.
+  void post(const std::string& path, const std::string& body) {
+    auto read =
+        PageCalls::read({"POST", path, "", body, *adapters::http_rules::path_segments(path)}, *calls->host().zones);
+    ASSERT_TRUE(read.has_value());
+    calls->handle(std::move(*read), [this](const HttpResponse& response) { responses.push_back(response); });
+  }
+  bool gives{true};
+  std::vector<HttpResponse> responses;
+};
+
+TEST(EarlierCommandsOfAProcess, are_executed_before_changes_are_handled_so_that_no_object_has_the_id_of_another) {
+  EarlierCommands page;
+  page.post("/api/v1/virtual-objects", person);
+  page.calls->continue_changes();
+  EXPECT_THAT(page.responses, ::testing::SizeIs(0));
+  page.server.send_command(R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":0.9,"y":-0.9}})");
+  page.gives = false;
+  page.calls->continue_changes();
+  ASSERT_THAT(page.responses, ::testing::SizeIs(1));
+  EXPECT_EQ(PageFixture::field_of(page.responses[0], "id"), "P2");
+  EXPECT_EQ(page.server.snapshot().find("virtualObjects")->array()->size(), 2U);
+}
+
+TEST(EarlierCommandsOfAProcess, delay_no_stop) {
+  EarlierCommands page;
+  page.post("/api/v1/commands", R"({"command":"stop","vehicle":"*"})");
+  ASSERT_THAT(page.responses, ::testing::SizeIs(1));
+  EXPECT_EQ(page.responses[0].status, 202U);
+}
+
 TEST_F(SlowDisk, that_refuses_has_the_change_refused_with_its_reason_and_not_executed) {
   send("POST", "/api/v1/virtual-objects", person);
   decide(fail("disk.full", "No space left on device", "store"));

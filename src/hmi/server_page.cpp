@@ -92,7 +92,7 @@ Result<std::unique_ptr<ServerPage>> ServerPage::open(adapters::EventLoop& loop, 
   inside->http = std::move(*http);
   inside->stream = std::make_unique<PageStream>(loop, *inside->http, inside->source());
   inside->worker.start();
-  inside->page.start();
+  inside->page.start(adapters::LoopThread::Priority::urgent);  // a Stop arrives here
   return std::unique_ptr<ServerPage>{new ServerPage(std::move(inside))};
 }
 
@@ -102,6 +102,9 @@ void ServerPage::ground_truth(std::string json) {
   impl_->page.loop().post([impl = impl_.get(), json = std::move(json)] { impl->take_ground_truth(json); });
 }
 
-void ServerPage::changed() { impl_->stream->changed(); }
+void ServerPage::changed() {
+  impl_->calls->continue_changes();
+  impl_->stream->changed();
+}
 
 }  // namespace cosiva::app

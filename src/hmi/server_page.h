@@ -40,6 +40,9 @@ struct PageHost {
                      std::shared_ptr<const virtual_side::DecodedCommand> decoded, std::function<void()> durable)>
       stop;
   StopLine stop_line;
+  /// Whether the core has still to be given commands that an earlier process accepted (LiveShell); changes wait until
+  /// it has. Empty: there are none.
+  std::function<bool()> gives_earlier_commands;
   std::function<SimTime()> now;
   std::shared_ptr<const ZoneLibrary> zones;  ///< never null
   std::string run_name;                      ///< shown on the page

@@ -194,14 +194,14 @@ TEST_F(Page, sends_positions_based_on_the_key_and_periodic_snapshots) {
 TEST_F(Page, sends_a_snapshot_when_a_command_has_an_effect) {
   LiveClient client{page->port()};
   ASSERT_TRUE(loop.run_until([&] { return client.count("snapshot") == 1; }, timeout));
-  EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1"})"),
+  EXPECT_THAT(send_request("POST /api/v1/commands", R"({"command":"slow","vehicle":"CoSiVA/AIV1","id":"mine"})"),
               StartsWith("HTTP/1.1 202"));
   page->changed();
   const auto shows = [&](const std::string& state) {
     return loop.run_until(
         [&] {
           const LiveClient::Frame* last = client.last("snapshot");
-          return last->bytes.find("\"id\":\"c1\",\"vehicle\":\"CoSiVA/AIV1\",\"command\":\"slow\",\"state\":\"" +
+          return last->bytes.find("\"id\":\"mine\",\"vehicle\":\"CoSiVA/AIV1\",\"command\":\"slow\",\"state\":\"" +
                                   state) != std::string::npos;
         },
         timeout);

@@ -1,10 +1,12 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
+
+#include "cosiva/hmi/unique_ids.h"
 
 namespace cosiva::app {
 
@@ -16,14 +18,12 @@ class StopBook {
   static constexpr std::size_t listed_max = 200;
   static constexpr const char* not_yet = "not yet durable";
 
-  StopBook();
-
   struct Entry {
     std::string id;
     bool durable{false};
     std::string reason{};  ///< why the record is not durable; empty: it is
   };
-  /// Lists a new Stop, which is not durable, and gives its id: "S-<time in ms, base 36>-<n>".
+  /// Lists a new Stop, which is not durable, and gives its id (UniqueIds): "S-mif3k2q9x1z4a-7".
   [[nodiscard]] std::string begin();
   void became_durable(const std::string& id);
   /// The record of the Stop was refused.
@@ -32,8 +32,7 @@ class StopBook {
 
  private:
   mutable std::mutex mutex_;
-  std::string prefix_;
-  std::uint64_t count_{0};
+  UniqueIds ids_{'S'};
   std::deque<Entry> entries_;
 };
 

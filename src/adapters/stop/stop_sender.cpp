@@ -124,7 +124,7 @@ Result<std::unique_ptr<StopSender>> StopSender::open(MqttOptions options, StopHa
   auto mqtt = MqttClient::make(impl.thread.loop(), std::move(options), {}, std::nullopt, impl.mqtt_handlers());
   if (!mqtt) return tl::unexpected(mqtt.error());
   impl.mqtt = std::move(*mqtt);
-  impl.thread.start();
+  impl.thread.start(LoopThread::Priority::urgent);
   impl.thread.loop().post([&impl] { impl.mqtt->start(); });
   return made;
 }

@@ -38,27 +38,32 @@ Result<std::unique_ptr<LiveStore>> LiveStore::open(EventLoop& loop, const std::s
                                                    LiveStoreOptions options) {
   auto opened = open_disk(folder, options.wait_max);
   if (!opened) return tl::unexpected<Error>(opened.error());
-  const std::shared_ptr<journal::Disk> disk{std::move(*opened)};
-  const auto from = journal::last_checkpoint(*disk);
-  if (!from) return tl::unexpected<Error>(from.error());
+  auto store = open(loop, std::shared_ptr<journal::Disk>{std::move(*opened)}, std::move(options));
+  if (!store) {
+    Error error = store.error();
+    error.location = folder + "/" + error.location;
+    return tl::unexpected<Error>(std::move(error));
+  }
+  return store;
+}
+
+Result<std::unique_ptr<LiveStore>> LiveStore::open(EventLoop& loop, std::shared_ptr<journal::Disk> disk,
+                                                   LiveStoreOptions options) {
+  COSIVA_EXPECT(disk != nullptr);
   journal::Restart restart;
   std::uint64_t records = 0;
   const auto take = [&](journal::RecordNumber number, const journal::RecordView& record) {
     restart.take(number, record);
     records = journal::is_checkpoint(record) ? 0 : records + 1;
   };
-  const auto content = journal::recover_store(*disk, take, *from);
-  if (!content) {
-    Error error = content.error();
-    error.location = folder + "/" + error.location;
-    return tl::unexpected<Error>(std::move(error));
-  }
+  const auto content = journal::recover_store(*disk, take, journal::RecoverFrom::checkpoint);
+  if (!content) return tl::unexpected<Error>(content.error());
   if (!options.on_log) options.on_log = [](char, const std::string&) {};
   if (content->torn) options.on_log('w', cut_tail_text(*content));
   std::unique_ptr<LiveStore> store(new LiveStore(std::move(options), std::move(restart), records));
   store->commit_ = std::make_unique<GroupCommit>(loop, disk, content->next.value_or(new_store()), store->handlers(),
                                                  store->options_.commit);
-  store->keep(loop, disk);
+  store->keep(loop, std::move(disk));
   return store;
 }
 

@@ -40,6 +40,9 @@ class LiveStore final : public InputStore {
   /// Opens the folder, made where missing. Fails as PosixDisk::open() and recover_store() do.
   [[nodiscard]] static Result<std::unique_ptr<LiveStore>> open(EventLoop& loop, const std::string& folder,
                                                                LiveStoreOptions options);
+  /// Likewise, on a disk that no other process writes. Fails as recover_store() does.
+  [[nodiscard]] static Result<std::unique_ptr<LiveStore>> open(EventLoop& loop, std::shared_ptr<journal::Disk> disk,
+                                                               LiveStoreOptions options);
 
   void append(const wire::Input& input) override;
   void complete() override;

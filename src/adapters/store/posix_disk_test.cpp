@@ -4,12 +4,32 @@
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "cosiva/adapters/event_loop.h"
 #include "cosiva/adapters/test_fixture.h"
+
+namespace {
+
+/// Files that were synced, by inode: in place of libc's function, which every caller in this program would use.
+std::vector<ino_t>& synced_files() {
+  static std::vector<ino_t> files;
+  return files;
+}
+
+}  // namespace
+
+extern "C" int fdatasync(int fd) {
+  struct stat file {};
+  if (::fstat(fd, &file) == 0) synced_files().push_back(file.st_ino);
+  return static_cast<int>(::syscall(SYS_fdatasync, fd));
+}
 
 namespace cosiva::adapters {
 namespace {
@@ -39,6 +59,18 @@ TEST_F(PosixDiskTest, reads_what_was_appended) {
   EXPECT_TRUE((*file)->append("two"));
   EXPECT_TRUE((*file)->sync());
   EXPECT_EQ(*disk->read("b"), "onetwo");
+}
+
+TEST_F(PosixDiskTest, returns_from_a_sync_only_after_the_kernel_has_synced_the_file) {
+  const auto disk = open();
+  auto file = disk->create("a");
+  ASSERT_TRUE(file);
+  ASSERT_TRUE((*file)->append("accepted"));
+  synced_files().clear();
+  ASSERT_TRUE((*file)->sync());
+  struct stat status {};
+  ASSERT_EQ(::stat((folder_ + "/a").c_str(), &status), 0);
+  EXPECT_THAT(synced_files(), ElementsAre(status.st_ino));
 }
 
 TEST_F(PosixDiskTest, sorts_names_and_does_not_create_one_twice) {

@@ -156,7 +156,8 @@ void OnboardCore::Parts::on_frames(SimTime now, const wire::BoardFrames& frames,
     boards.on_frames(of_board);
     on_board_messages(now, of_board.front().board, of_board, &wire::BoardFrames::Frame::message, effects);
     // As after each board's bytes; after the last board's frames handle() does.
-    if (next < frames.frames().size()) reporter.publish_state(sources(now), starting_up(now), session, effects);
+    if (next < frames.frames().size() && reporter.state_due(now))
+      reporter.publish_state(sources(now), starting_up(now), session, effects);
   }
 }
 
@@ -347,7 +348,8 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     if (v2x.update_cell(*context)) subscribe(v2x, server, effects);
     v2x.publish_intent(now, *context, session, effects);
   }
-  if (!starting_up(now)) reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);
+  if (reporter.boards_report_due(now) && !starting_up(now))
+    reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);
   reporter.compare_flags(flags_of(sources(now)));
 }
 
@@ -410,7 +412,9 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::command: break;  // no operator commands a vehicle from its own machine
   }
   COSIVA_EXPECT(parts.zones.maps().empty() == (parts.context == nullptr));
-  parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.session, effects);
+  // A state is due after one input in fifty.
+  if (parts.reporter.state_due(now_))
+    parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.session, effects);
   parts.boards.flush(effects);
 }
 

@@ -10,8 +10,10 @@ namespace cosiva::aiv {
 class Periodic {
  public:
   explicit Periodic(SimDuration period) : period_{period} {}
+  /// Whether take() would return true.
+  [[nodiscard]] bool due(SimTime now) const { return !next_ || now >= *next_ || *next_ - now > period_; }
   [[nodiscard]] bool take(SimTime now) {
-    if (next_ && now < *next_ && *next_ - now <= period_) return false;
+    if (!due(now)) return false;
     next_ = next_ && now - *next_ < period_ ? *next_ + period_ : now + period_;
     return true;
   }

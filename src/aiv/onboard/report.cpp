@@ -3,18 +3,19 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 namespace cosiva::aiv {
 namespace {
 
 constexpr double battery_low = 0.10;
 
-std::string three_decimals(double value_m) {
+std::string in_decimals(double value, int decimals) {
   std::array<char, 336> text{};  // any double has room
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value_m, std::chars_format::fixed, 3).ptr;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
   return {text.data(), end};
 }
+
+std::string three_decimals(double value_m) { return in_decimals(value_m, 3); }
 
 /// "0.42 m"
 std::string in_three_decimals(double value_m) { return three_decimals(value_m) + " m"; }
@@ -155,11 +156,9 @@ wire::Visualization compose_visualization(const Agent& agent, const std::string&
 
 std::string display_text(const std::string& serial_number, const Agent& agent) {
   constexpr std::size_t serial_bytes_max = 12;
-  char text[40];
-  const int length =
-      std::snprintf(text, sizeof text, "%.*s %s %.1f", static_cast<int>(serial_bytes_max), serial_number.c_str(),
-                    std::string(to_string(agent.status())).c_str(), std::fabs(agent.vehicle().motion().speed_mps()));
-  return {text, static_cast<std::size_t>(length)};
+  std::string text = serial_number.substr(0, serial_bytes_max);
+  text += " " + std::string(to_string(agent.status())) + " ";
+  return text + in_decimals(std::fabs(agent.vehicle().motion().speed_mps()), 1);
 }
 
 ReportFlags flags_of(const ReportSources& from) {

@@ -1,6 +1,8 @@
 #include "cosiva/aiv/onboard/session.h"
 
 #include <algorithm>
+#include <utility>
+#include <variant>
 
 #include "cosiva/aiv/onboard/instant_actions.h"
 #include "cosiva/base/archive.h"
@@ -16,8 +18,10 @@ namespace vda = wire::vda5050;
 namespace {
 
 template <typename Message>
-void pass_on(std::string topic, Message&& message, wire::Effects& effects) {
-  effects.emplace_back(wire::Publish{std::move(topic), {}, 0, false, wire::typed(std::forward<Message>(message))});
+void pass_on(const std::string& topic, Message&& message, wire::Effects& effects) {
+  auto& publish = std::get<wire::Publish>(effects.emplace_back(std::in_place_type<wire::Publish>));
+  publish.topic = topic;
+  publish.typed = wire::typed(std::forward<Message>(message));
 }
 
 SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_name) {
@@ -115,7 +119,7 @@ void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire:
   intent.header_id = next_.intent++;
   intent.timestamp = now;
   std::string topic = wire::v2x_topic(intent.map_id, cell, id_);
-  if (as_values_) return pass_on(std::move(topic), std::move(intent), effects);
+  if (as_values_) return pass_on(topic, std::move(intent), effects);
   effects.emplace_back(wire::Publish{std::move(topic), to_json(intent), 0, false});
 }
 

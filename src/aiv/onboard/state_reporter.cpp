@@ -9,7 +9,6 @@
 namespace cosiva::aiv {
 namespace {
 
-constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
 constexpr SimDuration boards_report_period = std::chrono::milliseconds{500};
 constexpr SimDuration display_period = std::chrono::milliseconds{500};
 
@@ -40,8 +39,8 @@ void StateReporter::publish_state(const ReportSources& sources, bool starting_up
                                   wire::Effects& effects) {
   if (!session.online()) return;
   if (!published_at_ && starting_up) return;
+  if (!state_due(sources.now)) return;
   const SimDuration since = published_at_ ? sources.now - *published_at_ : SimDuration::max();
-  if (since < (requested_ ? state_interval_min : state_period_) && since >= SimDuration::zero()) return;
   COSIVA_EXPECT(since >= std::min(state_interval_min, state_period_) || since < SimDuration::zero());
   session.publish(sources.now, compose_state(sources), effects);
   published_at_ = sources.now;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/warnings.h"
 #include "cosiva/base/archive_fwd.h"
+#include "cosiva/base/time.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -36,9 +38,16 @@ class StateReporter {
   /// Requests a state where a flag has changed since the last call.
   void compare_flags(const ReportFlags& flags);
 
+  /// Whether publish_state() would publish now, or only wait for the boards: before the sources are collected.
+  [[nodiscard]] bool state_due(SimTime now) const {
+    if (!published_at_) return true;
+    const SimDuration since = now - *published_at_;
+    return since >= (requested_ ? state_interval_min : state_period_) || since < SimDuration::zero();
+  }
   /// @param starting_up  the boards have not responded yet: the first state waits for them
   void publish_state(const ReportSources& sources, bool starting_up, Session& session, wire::Effects& effects);
   void publish_visualization(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  [[nodiscard]] bool boards_report_due(SimTime now) const { return boards_timer_.due(now); }
   void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges, Session& session,
                              wire::Effects& effects);
   void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
@@ -46,6 +55,8 @@ class StateReporter {
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
+  static constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
+
   std::string serial_number_;
   SimDuration state_period_;
   SimDuration visualization_period_;

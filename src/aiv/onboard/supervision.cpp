@@ -1,18 +1,11 @@
 #include "cosiva/aiv/onboard/supervision.h"
 
-#include <algorithm>
-
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
 
 Supervision::Supervision(SimDuration timeout) : timeout_{timeout} { COSIVA_EXPECT(timeout > SimDuration::zero()); }
-
-std::optional<SimDuration> Supervision::broker_quiet_for(SimTime now) const {
-  if (!broker_message_at_) return std::nullopt;
-  return now - *broker_message_at_;
-}
 
 void Supervision::on_server_heartbeat(SimTime now) {
   server_heartbeat_at_ = now;
@@ -33,20 +26,6 @@ bool Supervision::release_server() {
   server_heartbeat_at_.reset();
   server_left_ = false;
   return true;
-}
-
-bool Supervision::broker_lost(SimTime now) const {
-  const auto quiet_for = broker_quiet_for(now);
-  return !quiet_for || *quiet_for > timeout_;
-}
-
-bool Supervision::board_lost(SimTime now, wire::Board board) const {
-  const auto& received = board_message_at_[index(board)];
-  return !received || now - *received > timeout_;
-}
-
-bool Supervision::any_board_lost(SimTime now) const {
-  return std::ranges::any_of(wire::all_boards, [&](wire::Board board) { return board_lost(now, board); });
 }
 
 void Supervision::archive(Archive& archive) {

@@ -28,7 +28,9 @@ class Supervision {
   /// Any message that arrives from the broker, or the broker's acceptance of the connection.
   void on_broker_message(SimTime now) { broker_message_at_ = now; }
   /// Time since the last message from the broker; nothing: none has arrived yet.
-  [[nodiscard]] std::optional<SimDuration> broker_quiet_for(SimTime now) const;
+  [[nodiscard]] std::optional<SimDuration> broker_quiet_for(SimTime now) const {
+    return broker_message_at_ ? std::optional{now - *broker_message_at_} : std::nullopt;
+  }
   /// True once for each check of the link that is due (LinkCheckTimer).
   [[nodiscard]] bool take_link_check(SimTime now) { return link_check_timer_.due(now, broker_quiet_for(now)); }
 
@@ -45,16 +47,28 @@ class Supervision {
   void on_board_message(SimTime now, wire::Board board) { board_message_at_[index(board)] = now; }
   void forget_board(wire::Board board) { board_message_at_[index(board)].reset(); }
 
-  [[nodiscard]] bool broker_lost(SimTime now) const;
+  [[nodiscard]] bool broker_lost(SimTime now) const {
+    return !broker_message_at_ || now - *broker_message_at_ > timeout_;
+  }
   [[nodiscard]] bool server_lost(SimTime now) const {
     return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_;
   }
-  [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const;
-  [[nodiscard]] bool any_board_lost(SimTime now) const;
+  [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const {
+    return is_lost(now, board_message_at_[index(board)]);
+  }
+  [[nodiscard]] bool any_board_lost(SimTime now) const {
+    for (const auto& received : board_message_at_)
+      if (is_lost(now, received)) return true;
+    return false;
+  }
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] static std::size_t index(wire::Board board) { return static_cast<std::size_t>(board) - 1; }
+
+  [[nodiscard]] bool is_lost(SimTime now, const std::optional<SimTime>& received) const {
+    return !received || now - *received > timeout_;
+  }
 
   SimDuration timeout_;
   std::optional<SimTime> broker_message_at_;

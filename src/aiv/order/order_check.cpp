@@ -59,12 +59,13 @@ Result<void> check_edge(const wire::Order& order, std::size_t i) {
   return {};
 }
 
+/// @param array  "nodes" or "edges", whose i-th element has these actions
 Result<void> check_actions(const std::vector<wire::Action>& actions, std::span<const std::string> supported,
-                           const std::string& position) {
+                           std::string_view array, std::size_t i) {
   for (const wire::Action& action : actions) {
     if (std::ranges::find(supported, action.action_type) == supported.end()) {
       return fail("orderError", "action '" + action.action_type + "' (" + action.action_id + ") is not supported",
-                  position);
+                  at(array, i, "actions"));
     }
   }
   return {};
@@ -99,12 +100,10 @@ Result<void> check_abilities(const wire::Order& order, std::span<const std::stri
     if (!edge.unsupported.empty())
       return fail("orderError", "'" + edge.unsupported.front() + "' is not supported",
                   at("edges", i, edge.unsupported.front()));
-    if (auto checked = check_actions(edge.actions, supported_actions, at("edges", i, "actions")); !checked)
-      return checked;
+    if (auto checked = check_actions(edge.actions, supported_actions, "edges", i); !checked) return checked;
   }
   for (std::size_t i = 0; i < order.nodes.size(); ++i) {
-    if (auto checked = check_actions(order.nodes[i].actions, supported_actions, at("nodes", i, "actions")); !checked)
-      return checked;
+    if (auto checked = check_actions(order.nodes[i].actions, supported_actions, "nodes", i); !checked) return checked;
   }
   return {};
 }

@@ -69,7 +69,7 @@ void PathLookAhead::begin() {
     low_B = {std::min(low_B.x_m, p_B.x_m), std::min(low_B.y_m, p_B.y_m)};
     high_B = {std::max(high_B.x_m, p_B.x_m), std::max(high_B.y_m, p_B.y_m)};
   }
-  coarse_m_.resize((samples_.size() + stride - 1) / stride);
+  coarse_m2_.resize((samples_.size() + stride - 1) / stride);
   low_B_ = low_B;
   high_B_ = high_B;
 }
@@ -77,33 +77,39 @@ void PathLookAhead::begin() {
 double PathLookAhead::skipped_m() const { return 1.25 * static_cast<double>(stride - 1) * sample_m_; }
 
 double PathLookAhead::coarse_distance_m(Point2 p_B) const {
-  double least_m = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < coarse_m_.size(); ++k) {
-    const double x_m = samples_[stride * k].p_B.x_m - p_B.x_m;
-    const double y_m = samples_[stride * k].p_B.y_m - p_B.y_m;
-    coarse_m_[k] = std::sqrt(x_m * x_m + y_m * y_m);
-    least_m = std::min(least_m, coarse_m_[k]);
+  double least_m2 = std::numeric_limits<double>::infinity();
+  const Sample* coarse = samples_.data();
+  for (std::size_t k = 0; k < coarse_m2_.size(); ++k, coarse += stride) {
+    const double x_m = coarse->p_B.x_m - p_B.x_m;
+    const double y_m = coarse->p_B.y_m - p_B.y_m;
+    coarse_m2_[k] = x_m * x_m + y_m * y_m;
+    least_m2 = std::min(least_m2, coarse_m2_[k]);
   }
-  return least_m;
+  return std::sqrt(least_m2);
 }
 
 PathLookAhead::Offset PathLookAhead::off_path(Point2 p_B, double within_m) const {
   Offset nearest{0, std::numeric_limits<double>::infinity()};
   // Most points are echoes of another lane, beyond the box around the path.
   const double box_m = within_m + skipped_m();
-  if (p_B.x_m < low_B_.x_m - box_m || p_B.x_m > high_B_.x_m + box_m || p_B.y_m < low_B_.y_m - box_m ||
-      p_B.y_m > high_B_.y_m + box_m)
+  if (samples_.empty() || p_B.x_m < low_B_.x_m - box_m || p_B.x_m > high_B_.x_m + box_m ||
+      p_B.y_m < low_B_.y_m - box_m || p_B.y_m > high_B_.y_m + box_m)
     return nearest;
   const double coarse_m = coarse_distance_m(p_B);
   if (coarse_m - skipped_m() > within_m) return nearest;
-  for (std::size_t k = 0; k < coarse_m_.size(); ++k) {
-    // Between two coarse points the path is at most `stride` steps long, so that no point of it is nearer than half of
-    // their two distances less half of that length. After the last one there is only its own distance.
-    const bool last = k + 1 == coarse_m_.size();
-    const double bound_m =
-        last ? coarse_m_[k] - skipped_m()
-             : 0.5 * (coarse_m_[k] + coarse_m_[k + 1] - 1.25 * static_cast<double>(stride) * sample_m_);
-    if (bound_m > coarse_m) continue;
+  // Between two coarse points the path is at most `stride` steps long, so that no point of it is nearer than half of
+  // their two distances less half of that length. After the last one there is only its own distance.
+  const double nearest_m_max = std::min(coarse_m, within_m);
+  const double half_block_m = 0.5 * 1.25 * static_cast<double>(stride) * sample_m_;
+  const double far_m2 = (nearest_m_max + half_block_m) * (nearest_m_max + half_block_m);
+  for (std::size_t k = 0; k < coarse_m2_.size(); ++k) {
+    if (k + 1 == coarse_m2_.size()) {
+      if (std::sqrt(coarse_m2_[k]) - skipped_m() > nearest_m_max) continue;
+    } else {
+      // Most often both distances are too large, which needs no square root.
+      if (coarse_m2_[k] > far_m2 && coarse_m2_[k + 1] > far_m2) continue;
+      if (0.5 * (std::sqrt(coarse_m2_[k]) + std::sqrt(coarse_m2_[k + 1])) - half_block_m > nearest_m_max) continue;
+    }
     const std::size_t end = std::min(stride * (k + 1), samples_.size());
     for (std::size_t i = stride * k; i < end; ++i) {
       const Point2 sample_B = at(i);

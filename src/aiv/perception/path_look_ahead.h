@@ -53,8 +53,8 @@ class PathLookAhead {
   void compute(std::size_t sample) const;
   /// Computes every coarse sample, and the box around them.
   void begin();
-  /// The distances of all coarse samples from a point, to coarse_m_, and the least of them: no sample is nearer than
-  /// that by more than `skipped_m()`.
+  /// The squared distances of all coarse samples from a point, to coarse_m2_, and the least distance: no sample is
+  /// nearer than that by more than `skipped_m()`.
   [[nodiscard]] double coarse_distance_m(Point2 p_B) const;
   [[nodiscard]] double skipped_m() const;
 
@@ -62,10 +62,10 @@ class PathLookAhead {
   double sample_m_;
   double reach_m_;
   Pose2 X_MB_{};
-  SinCos turn_{0.0, 1.0};                 ///< of the body's heading
-  mutable std::vector<Sample> samples_;   ///< reused to spare allocations
-  mutable std::vector<double> coarse_m_;  ///< likewise
-  Point2 low_B_{};                        ///< the box around the coarse samples
+  SinCos turn_{0.0, 1.0};                  ///< of the body's heading
+  mutable std::vector<Sample> samples_;    ///< reused to spare allocations
+  mutable std::vector<double> coarse_m2_;  ///< likewise: one for every fourth sample
+  Point2 low_B_{};                         ///< the box around the coarse samples
   Point2 high_B_{};
 };
 

@@ -43,6 +43,31 @@ TEST(PathLookAhead, has_the_nearest_of_all_its_samples_for_any_point) {
   }
 }
 
+TEST(PathLookAhead, has_the_same_nearest_sample_where_only_a_short_distance_is_of_interest) {
+  const zone::Circuit circuit = test::lay({{0.5}, {0.8, 2.0}, {2.0, -1.0}}, false);
+  PathLookAhead look_ahead{circuit, 0.03, 1.3};
+  look_ahead.sample(zone::TrackPosition{0, 0.2});
+  constexpr double within_m = 0.12;
+  int near = 0;
+  int beyond = 0;
+  for (double x_m = -0.3; x_m < 1.5; x_m += 0.017) {
+    for (double y_m = -0.6; y_m < 1.2; y_m += 0.019) {
+      const auto nearest = look_ahead.off_path({x_m, y_m});
+      const auto found = look_ahead.off_path({x_m, y_m}, within_m);
+      if (nearest.distance2_m2 <= within_m * within_m) {
+        ++near;
+        EXPECT_EQ(found.distance2_m2, nearest.distance2_m2) << x_m << " " << y_m;
+        EXPECT_EQ(found.sample, nearest.sample) << x_m << " " << y_m;
+      } else {
+        ++beyond;
+        EXPECT_GT(found.distance2_m2, within_m * within_m) << x_m << " " << y_m;
+      }
+    }
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_GT(beyond, 500);
+}
+
 TEST(PathLookAhead, measures_along_the_path_between_its_samples) {
   const zone::Circuit circuit = test::lay({{0.5}, {2.0, 0.8}}, false);
   const zone::TrackPosition here{0, 0.2};

@@ -53,6 +53,7 @@ PageHost page_host(const ServerArguments& arguments, const virtual_side::ServerC
   };
   host.stop_line.lift = [&stops](const std::vector<std::string>& vehicles) { stops.lift(vehicles); };
   host.stop_line.unconfirmed = [&stops](const std::string& id) { return stops.unconfirmed(id); };
+  host.gives_earlier_commands = [&shell] { return shell.gives_earlier_commands(); };
   host.now = [] { return adapters::WallClock{}.now(); };
   host.zones = std::make_shared<const FileZoneLibrary>();
   if (!arguments.parts_file.empty())

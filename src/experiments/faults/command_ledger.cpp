@@ -73,6 +73,8 @@ Finding CommandLedger::on_start(const CoreStore::Left& left) {
     for (const wire::Input& accepted : left.accepted) text += "\n    given again " + accepted.payload;
     return Violation{"I2", text};
   }
+  if (auto lost = check_aivs(restored, left.accepted)) return lost;
+  aivs_ = restored.aivs();
   // The others were lost without having been accepted, or are given again.
   for (std::size_t i = count - 1; i < given_.size(); ++i)
     if (given_[i].stored) --given_stored_[given_[i].json];
@@ -98,9 +100,23 @@ Finding CommandLedger::on_given(const std::string& json, bool stored) {
   return std::nullopt;
 }
 
-Finding CommandLedger::on_persisted(const std::string& bytes) const {
+Finding CommandLedger::check_aivs(const OperatorState& found, const std::vector<wire::Input>& added) const {
+  OperatorState expected = found;
+  for (const wire::Input& command : added) expected.take(command.payload);
+  for (const std::string& id : aivs_)
+    if (state_.aivs().contains(id) && !expected.aivs().contains(id))
+      return Violation{"I2", "virtual AIV " + id + " is not in the zone any more, although it was not removed"};
+  return std::nullopt;
+}
+
+Finding CommandLedger::on_persisted(const std::string& bytes) {
   const auto persisted = OperatorState::from_persisted(bytes);
   if (!persisted) return Violation{"I1", to_string(persisted.error())};
+  for (const std::string& id : persisted->aivs())
+    if (!state_.aivs().contains(id))
+      return Violation{"I2", "virtual AIV " + id + " is in the zone, although it was removed or never added"};
+  if (auto lost = check_aivs(*persisted, {})) return lost;
+  aivs_ = persisted->aivs();
   if (*persisted == state_) return std::nullopt;
   return Violation{"I1", "persisted: " + persisted->text() + "\n    commands:  " + state_.text()};
 }

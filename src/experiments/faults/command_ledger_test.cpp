@@ -54,5 +54,40 @@ TEST(CommandLedger, finds_a_persisted_state_that_does_not_follow_from_the_comman
   EXPECT_EQ(found->invariant, "I1");
 }
 
+TEST(CommandLedger, finds_a_virtual_aiv_that_was_lost_and_one_that_comes_back) {
+  const std::string add = R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"a","s":0.3}})";
+  const std::string remove = R"({"command":"remove","id":"V1"})";
+  const std::string with = R"({"aivs":[{"id":"V1","section":"a","s":0.3}]})";
+  const std::string without = R"({"aivs":[]})";
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(add);
+  EXPECT_FALSE(ledger.on_given(add, false));
+  EXPECT_FALSE(ledger.on_persisted(without)) << "there is no room for it yet";
+  EXPECT_FALSE(ledger.on_persisted(with));
+  Finding lost = ledger.on_persisted(without);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->invariant, "I2");
+  ledger.on_submitted(remove);
+  EXPECT_FALSE(ledger.on_given(remove, false));
+  EXPECT_FALSE(ledger.on_persisted(without));
+  const Finding back = ledger.on_persisted(with);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->invariant, "I2");
+}
+
+TEST(CommandLedger, finds_a_virtual_aiv_that_a_restart_has_lost) {
+  const std::string add = R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"a","s":0.3}})";
+  const SimulatedStore store{1, Planted::none};
+  CommandLedger ledger{store};
+  ledger.on_submitted(add);
+  EXPECT_FALSE(ledger.on_given(add, false));
+  EXPECT_FALSE(ledger.on_persisted(R"({"aivs":[{"id":"V1","section":"a","s":0.3}]})"));
+  ledger.on_killed();
+  const Finding found = ledger.on_start({});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->text, "virtual AIV V1 is not in the zone any more, although it was not removed");
+}
+
 }  // namespace
 }  // namespace cosiva::experiments

@@ -17,7 +17,10 @@ std::string seconds(SimDuration duration) {
 
 std::string percent(double ratio) { return std::to_string(std::lround(100.0 * ratio)) + " %"; }
 
-std::string name_of(Process process) { return process == server_process ? "server" : "AIV" + std::to_string(process); }
+std::string name_of(Process process) {
+  if (process == server_process) return "server";
+  return process == plant_process ? "plant" : "AIV" + std::to_string(process);
+}
 
 std::string partition_text(const Fault& fault) {
   constexpr std::array<std::string_view, 3> shapes{"in both directions", "to the broker", "from the broker"};
@@ -45,6 +48,7 @@ std::string content_of(const Fault& fault) {
       return name_of(fault.process) + " restarts after " + seconds(fault.lasts) + ", its clock off by " +
              seconds(fault.clock_offset) + " and " + std::to_string(std::lround(fault.clock_drift_ppm)) + " ppm";
     case FaultKind::flood: return name_of(fault.process) + " for " + seconds(fault.lasts);
+    case FaultKind::person: return "in the path of " + name_of(fault.process) + " for " + seconds(fault.lasts);
     case FaultKind::command:
       return fault.text.size() <= text_bytes_max ? fault.text : fault.text.substr(0, text_bytes_max) + "…";
   }
@@ -64,10 +68,13 @@ std::string_view to_string(FaultKind kind) {
     case FaultKind::bit_flip: return "F6 bit flip";
     case FaultKind::clock: return "F7 clock";
     case FaultKind::flood: return "F10 flood";
+    case FaultKind::person: return "person";
     case FaultKind::command: return "F13 command";
   }
   return "?";
 }
+
+std::string vehicle_id(Process aiv) { return "CoSiVA/AIV" + std::to_string(aiv); }
 
 std::string to_string(const Fault& fault) {
   return "#" + std::to_string(fault.number) + " " + std::string(to_string(fault.kind)) + " at " + seconds(fault.at) +

@@ -14,19 +14,23 @@ namespace cosiva::experiments {
 enum class FaultKind : std::uint8_t {
   weather,       ///< F1: loss, duplication, reordering and delay in the whole network
   partition,     ///< F2: one process is cut off, in one direction or both
-  crash,         ///< F3: a process dies, at once or at its n-th effect
+  crash,         ///< F3: a process, or the plant, dies, at once or at its n-th effect
   broker,        ///< F4: the broker dies with its queues, and is restarted
   power_cut,     ///< F5: the server's machine loses its power: unsynced writes are dropped, torn or reordered
   disk_refusal,  ///< F5: the server's disk refuses every n-th call
   bit_flip,      ///< F6: a bit of the store is inverted while the server is down, and must be detected
   clock,         ///< F7: a process restarts with another clock
   flood,         ///< F10: one AIV publishes at 100 times its rate
+  person,        ///< a person steps into a vehicle's path, where the vehicle can still stop, and leaves it again
   command,       ///< F13: an operator gives a command
 };
-inline constexpr std::size_t fault_kinds = 10;
+inline constexpr std::size_t fault_kinds = 11;
 
 /// "F1 weather".
 [[nodiscard]] std::string_view to_string(FaultKind kind);
+
+/// "CoSiVA/AIV2".
+[[nodiscard]] std::string vehicle_id(Process aiv);
 
 /// One fault of a schedule.
 struct Fault {

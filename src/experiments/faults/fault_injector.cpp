@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -26,17 +27,19 @@ bool has_active(const std::vector<const Fault*>& active, FaultKind kind) {
 
 }  // namespace
 
-FaultInjector::FaultInjector(World& world, SimulatedStore& store, std::vector<Fault> faults, std::uint32_t aivs,
-                             std::uint64_t seed, Planted planted, Handlers handlers)
+FaultInjector::FaultInjector(World& world, SimulatedStore& store, Persons& persons, std::vector<Fault> faults,
+                             std::uint32_t aivs, std::uint64_t seed, Planted planted, Handlers handlers)
     : world_{world},
       store_{store},
+      persons_{persons},
       faults_{std::move(faults)},
-      aivs_{aivs},
       planted_{planted},
       handlers_{std::move(handlers)},
       random_{seed, "injector"},
-      epoch_{world.now()},
-      processes_(aivs + 1) {}
+      epoch_{world.now()} {
+  for (Process process = 0; process <= aivs; ++process) processes_.try_emplace(process);
+  processes_.try_emplace(plant_process);
+}
 
 std::optional<SimTime> FaultInjector::next_fault() const {
   if (next_ == faults_.size()) return std::nullopt;
@@ -54,7 +57,8 @@ void FaultInjector::step() {
   flood();
   lift_pauses();
   restart_due();
-  for (Process process = 0; process <= aivs_; ++process) apply_partition(process);
+  persons_.leave(now);
+  for (const auto& [process, its] : processes_) apply_partition(process);
   link_due();
   COSIVA_EXPECT(next_ <= faults_.size());
 }
@@ -69,6 +73,9 @@ void FaultInjector::begin(const Fault& fault) {
       return restart_later(fault);
     case FaultKind::command:
       if (world_.faults().running(server_process)) handlers_.on_command(fault.text);
+      return;
+    case FaultKind::person:
+      if (world_.faults().running(plant_process)) persons_.step_in(fault.process, fault.n, epoch_ + fault.ends());
       return;
     case FaultKind::broker:
       if (!has_active(active_, FaultKind::broker)) world_.faults().stop_broker();
@@ -111,6 +118,8 @@ void FaultInjector::cut_power(const Fault& fault) {
 void FaultInjector::kill(Process process) {
   if (process == server_process)
     world_.kill_server();
+  else if (process == plant_process)
+    world_.faults().kill_plant();
   else
     world_.kill_aiv(process);
 }
@@ -176,6 +185,8 @@ void FaultInjector::flood() {
 }
 
 bool FaultInjector::passes(const wire::Publish& message) {
+  if (planted_ == Planted::unseen_person && message.topic.starts_with(wire::virtual_obstacles_topic_prefix))
+    return false;
   if (!message.topic.ends_with("/instantActions")) return true;
   const std::size_t pause = message.payload.find("startPause");
   if (pause == std::string::npos) return true;
@@ -197,8 +208,7 @@ void FaultInjector::lift_pauses() {
 }
 
 void FaultInjector::restart_due() {
-  for (Process process = 0; process <= aivs_; ++process) {
-    ProcessFaults& its = processes_[process];
+  for (auto& [process, its] : processes_) {
     if (!its.restart_at || *its.restart_at > world_.now()) continue;
     its.restart_at.reset();
     start(process);
@@ -207,6 +217,7 @@ void FaultInjector::restart_due() {
 
 void FaultInjector::start(Process process) {
   ProcessFaults& its = processes_[process];
+  if (process == plant_process) return start_plant();
   if (process != server_process) {
     ++its.starts;
     return world_.start_aiv(process);
@@ -221,10 +232,15 @@ void FaultInjector::start(Process process) {
   world_.start_server();
 }
 
+void FaultInjector::start_plant() {
+  persons_.on_plant_start();
+  world_.faults().start_plant();
+  if (planted_ == Planted::lost_boards) world_.faults().set_boards(1, false);
+}
+
 void FaultInjector::link_due() {
   FaultInjection& faults = world_.faults();
-  for (Process process = 0; process <= aivs_; ++process) {
-    ProcessFaults& its = processes_[process];
+  for (auto& [process, its] : processes_) {
     if (!faults.running(process) || faults.linked(process) || !faults.broker_running() || its.blocked_since) {
       its.link_at.reset();
       continue;
@@ -249,12 +265,13 @@ SimDuration FaultInjector::end_faults() {
   apply_active();
   if (broker_was_down) world_.faults().start_broker();
   store_.at_call(0, {});
-  for (Process process = 0; process <= aivs_; ++process) {
+  persons_.leave(SimTime::max());
+  for (auto& [process, its] : processes_) {
     if (world_.faults().running(process)) world_.faults().kill_at_effect(process, 0);
-    if (processes_[process].restart_at) processes_[process].restart_at = world_.now();
+    if (its.restart_at) its.restart_at = world_.now();
   }
   step();
-  for (ProcessFaults& its : processes_)
+  for (auto& [process, its] : processes_)
     if (its.link_at) its.link_at = world_.now();
   step();
   return delay;
@@ -262,7 +279,7 @@ SimDuration FaultInjector::end_faults() {
 
 bool FaultInjector::whole() const {
   const FaultInjection& faults = world_.faults();
-  for (Process process = 0; process <= aivs_; ++process)
+  for (const auto& [process, its] : processes_)
     if (!faults.running(process) || !faults.linked(process)) return false;
   return true;
 }

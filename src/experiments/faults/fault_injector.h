@@ -9,6 +9,7 @@
 
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/faults/fault.h"
+#include "cosiva/experiments/faults/persons.h"
 #include "cosiva/experiments/faults/planted.h"
 #include "cosiva/experiments/faults/simulated_store.h"
 #include "cosiva/experiments/runs/world/world.h"
@@ -25,8 +26,8 @@ class FaultInjector {
     std::function<void(const std::string& json)> on_command;  ///< an operator gives a command
     std::function<void()> before_server_start;                ///< the store is open
   };
-  FaultInjector(World& world, SimulatedStore& store, std::vector<Fault> faults, std::uint32_t aivs, std::uint64_t seed,
-                Planted planted, Handlers handlers);
+  FaultInjector(World& world, SimulatedStore& store, Persons& persons, std::vector<Fault> faults, std::uint32_t aivs,
+                std::uint64_t seed, Planted planted, Handlers handlers);
 
   /// Begins and ends everything that is due.
   void step();
@@ -60,11 +61,12 @@ class FaultInjector {
   void link_due();
   void kill(Process process);
   void start(Process process);
+  void start_plant();
 
   World& world_;
   SimulatedStore& store_;
+  Persons& persons_;
   const std::vector<Fault> faults_;
-  std::uint32_t aivs_;
   Planted planted_;
   Handlers handlers_;
   Random random_;
@@ -81,7 +83,7 @@ class FaultInjector {
     std::uint32_t starts{1};
     std::optional<wire::Publish> last{};
   };
-  std::vector<ProcessFaults> processes_;
+  std::map<Process, ProcessFaults> processes_;
   std::uint64_t server_starts_{1};
   std::vector<std::pair<SimTime, wire::Publish>> lifts_;  ///< of Planted::lifted_pause
 };

@@ -41,6 +41,7 @@ class Draw {
     several(FaultKind::bit_flip, 0.3, [this](Fault& f) { bit_flip(f); });
     several(FaultKind::clock, 1.0, [this](Fault& f) { clock(f); });
     several(FaultKind::flood, 0.6, [this](Fault& f) { flood(f); });
+    several(FaultKind::person, 1.0, [this](Fault& f) { person(f); });
     std::ranges::stable_sort(faults_, {}, &Fault::at);
     for (std::size_t i = 0; i < faults_.size(); ++i) faults_[i].number = static_cast<std::uint32_t>(i + 1);
     return std::move(faults_);
@@ -116,7 +117,7 @@ class Draw {
   void crash(Fault& f) {
     close_behind_a_command(f);
     f.lasts = between(milliseconds{100}, seconds{6});
-    f.process = any_process();
+    f.process = random_.chance(0.1) ? plant_process : any_process();
     f.n = random_.chance(0.3) ? 0 : 1 + random_.below(200);
   }
   void disk_refusal(Fault& f) {
@@ -144,7 +145,13 @@ class Draw {
     f.process = any_aiv();
   }
 
-  [[nodiscard]] std::string vehicle() { return random_.chance(0.25) ? "*" : "CoSiVA/AIV" + std::to_string(any_aiv()); }
+  void person(Fault& f) {
+    f.lasts = between(seconds{1}, seconds{12});
+    f.process = any_aiv();
+    f.n = random_.next();
+  }
+
+  [[nodiscard]] std::string vehicle() { return random_.chance(0.25) ? "*" : vehicle_id(any_aiv()); }
   void command(Fault& f) {
     constexpr std::array<std::string_view, 9> texts{"stop", "stop",   "stop",    "restart", "restart",
                                                     "slow", "medium", "restart", "cancel"};

@@ -9,6 +9,8 @@
 #include "cosiva/experiments/faults/command_ledger.h"
 #include "cosiva/experiments/faults/fault_injector.h"
 #include "cosiva/experiments/faults/fault_schedule.h"
+#include "cosiva/experiments/faults/message_ledger.h"
+#include "cosiva/experiments/faults/persons.h"
 #include "cosiva/experiments/faults/simulated_store.h"
 #include "cosiva/experiments/faults/stop_monitor.h"
 #include "cosiva/experiments/faults/twin_monitor.h"
@@ -28,6 +30,7 @@ constexpr SimDuration fresh_within = seconds{2};
 constexpr SimDuration fresh_age = seconds{1};
 constexpr SimDuration steady_within = seconds{5};
 constexpr SimDuration drives_within = seconds{120};
+constexpr SimDuration steps_in_within = seconds{5};
 constexpr double drives_m = 0.3;
 constexpr std::size_t waiting_bytes_max = std::size_t{64} << 20U;
 
@@ -76,12 +79,18 @@ class Simulation {
   void observe() {
     stops_.emplace(*world_, options_.aivs);
     twins_.emplace(*world_, options_.aivs, options_.planted);
+    persons_.emplace(*world_);
     injector_.emplace(
-        *world_, *store_, result_.faults, options_.aivs, seed_, options_.planted,
+        *world_, *store_, *persons_, result_.faults, options_.aivs, seed_, options_.planted,
         FaultInjector::Handlers{[this](const std::string& json) { command(json); }, [this] { before_server_start(); }});
     FaultInjection::Observer observer;
     observer.on_killed = [this](Process process) {
-      if (process == server_process) ledger_.on_killed();
+      if (process == server_process)
+        ledger_.on_killed();
+      else if (process == plant_process)
+        twins_->on_plant_killed();
+      else
+        messages_.on_killed(vehicle_id(process));
       injector_->on_killed(process);
     };
     observer.on_input = [this](Process process, const wire::Input& input) { on_input(process, input); };
@@ -95,17 +104,22 @@ class Simulation {
   void before_server_start() {
     found(ledger_.on_start(store_->left()));
     twins_->on_server_start();
+    messages_.on_server_start();
   }
 
   void on_input(Process process, const wire::Input& input) {
     if (process != server_process) return;
-    if (input.kind == wire::InputKind::message) twins_->on_received(world_->now(), input.source);
+    if (input.kind == wire::InputKind::message) {
+      twins_->on_received(world_->now(), input.source);
+      messages_.on_received(input.source, input.payload);
+    }
     if (input.kind == wire::InputKind::command) found(ledger_.on_given(input.payload, input.flag));
   }
 
   void on_effect(Process process, const wire::Effect& effect) {
     if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
       if (process == server_process) return found(StopMonitor::on_server_message(*publish, ledger_.state()));
+      found(messages_.on_sent(*publish));
       stops_->on_effect(process, *publish);
       injector_->on_published(process, *publish);
     }
@@ -136,12 +150,14 @@ class Simulation {
     world_->run_for(next - now);
     injector_->step();
     found(stops_->step(ledger_.state(), world_->faults()));
+    found(persons_->check());
     if (store_->violation()) found(Violation{"I1", *store_->violation()});
     if (store_->waiting_bytes() > waiting_bytes_max)
       found(Violation{"I9", std::to_string(store_->waiting_bytes()) + " bytes wait for the disk"});
     if (world_->now() < view_at_ || !world_->faults().running(server_process)) return;
     view_at_ = world_->now() + view_period;
     found(twins_->check());
+    found(messages_.check(twins_->summary()));
   }
 
   void with_faults() {
@@ -200,6 +216,27 @@ class Simulation {
       found(Violation{
           "I10", "120 s after the faults have ended these vehicles do not drive:" + stuck() + twins_->situation()});
     result_.driving_after = world_->now() - began;
+    if (!result_.violation) virtual_person();
+  }
+
+  /// What is only virtual counts as if it were there: a vehicle stops for a virtual person in its path.
+  void virtual_person() {
+    std::optional<Point2> at;
+    const auto steps_in = [&] {
+      for (const auto& vehicle : world_->plant().vehicles())
+        if (!at && vehicle.speed_mps > 0.05) at = persons_->point_in_path(vehicle.number, seed_);
+      return at.has_value();
+    };
+    if (!until(steps_in_within, steps_in)) return;
+    JsonWriter json;
+    json.begin_object().field("command", "add").key("virtualObject").begin_object();
+    json.field("id", "last-person").field("kind", "person").field("x", at->x_m).field("y", at->y_m);
+    command(json.field("radius", Persons::radius_m).end_object().end_object().take());
+    until(steady_within, [&] {
+      const std::string vehicle = persons_->touching(*at);
+      if (!vehicle.empty()) found(Violation{"safety", vehicle + " drives into a virtual person in its path"});
+      return false;
+    });
   }
 
   [[nodiscard]] std::vector<std::string> closed_sections() const {
@@ -223,10 +260,12 @@ class Simulation {
   const FaultSimulationOptions& options_;
   std::shared_ptr<SimulatedStore> store_;
   CommandLedger ledger_;
+  MessageLedger messages_;
   FaultSimulationResult result_;
   std::unique_ptr<World> world_;
   std::optional<StopMonitor> stops_;
   std::optional<TwinMonitor> twins_;
+  std::optional<Persons> persons_;
   std::optional<FaultInjector> injector_;
   SimTime begin_{};
   SimTime view_at_{};

@@ -74,11 +74,12 @@ TEST(FaultSimulation, shrinks_a_failed_seed_to_the_faults_that_it_needs) {
   EXPECT_EQ(shrunk->result.violation->invariant, failed->violation->invariant);
 }
 
-TEST(FaultSimulationStatistics, every_invariant_holds_over_200_seeds_of_a_minute) {
+/// scripts/test runs 200 seeds more, others for each commit.
+TEST(FaultSimulationStatistics, every_invariant_holds_over_40_seeds_of_a_minute) {
   const auto options = options_of(minutes{1});
   FaultCounts injected{};
   std::uint64_t accepted = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const auto result = simulate_faults(seed, options);
     ASSERT_TRUE(result);
     EXPECT_EQ(verdict(*result), "holds") << "cosiva simulate --minutes 1 --seeds " << seed;
@@ -86,8 +87,8 @@ TEST(FaultSimulationStatistics, every_invariant_holds_over_200_seeds_of_a_minute
     for (std::size_t i = 0; i < fault_kinds; ++i) injected.at(i) += counts.at(i);
     accepted += result->accepted;
   }
-  for (std::size_t i = 0; i < fault_kinds; ++i) EXPECT_GE(injected.at(i), 40U) << to_string(static_cast<FaultKind>(i));
-  EXPECT_GT(accepted, 1000U);
+  for (std::size_t i = 0; i < fault_kinds; ++i) EXPECT_GE(injected.at(i), 5U) << to_string(static_cast<FaultKind>(i));
+  EXPECT_GT(accepted, 200U);
 }
 
 class PlantedDefects : public ::testing::TestWithParam<Planted> {};

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/base/json_value.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -43,24 +42,28 @@ void OperatorState::set(const std::string& vehicle, const Intention& intention) 
     own_[vehicle] = intention;
 }
 
+void OperatorState::take_objects(const std::string& order, const JsonValue& command) {
+  if (order == "add") {
+    const JsonValue* object = command.find("virtualObject");
+    if (object == nullptr) return;
+    (object->text("kind") == std::optional<std::string>{"aiv"} ? aivs_ : objects_)
+        .insert(object->text("id").value_or(""));
+    return;
+  }
+  const std::string id = command.text("id").value_or("");
+  for (std::set<std::string>* ids : {&objects_, &aivs_}) {
+    if (id == "*")
+      ids->clear();
+    else
+      ids->erase(id);
+  }
+}
+
 void OperatorState::take(std::string_view command_json) {
   const auto json = JsonValue::parse(command_json);
   COSIVA_EXPECT(json);
   const std::string order = json->text("command").value_or("");
-  if (order == "add") {
-    const JsonValue* object = json->find("virtualObject");
-    if (object != nullptr && object->text("kind") != std::optional<std::string>{"aiv"})
-      objects_.insert(object->text("id").value_or(""));
-    return;
-  }
-  if (order == "remove") {
-    const std::string id = json->text("id").value_or("");
-    if (id == "*")
-      objects_.clear();
-    else
-      objects_.erase(id);
-    return;
-  }
+  if (order == "add" || order == "remove") return take_objects(order, *json);
   const auto vehicle = json->text("vehicle");
   if (!vehicle) return;
   if (*vehicle == "*") {
@@ -88,10 +91,13 @@ Result<OperatorState> OperatorState::from_persisted(std::string_view text) {
     if (vehicles != nullptr && vehicles->object() != nullptr)
       for (const auto& [name, value] : *vehicles->object()) state.set(name, read(value));
   }
-  const JsonValue* objects = json->find("virtualObjects");
-  if (objects != nullptr && objects->array() != nullptr)
-    for (const JsonValue& object : *objects->array())
-      state.objects_.insert(std::string(object.text("id").value_or("")));
+  const auto ids_in = [&json](std::string_view field, std::set<std::string>& ids) {
+    const JsonValue* objects = json->find(field);
+    if (objects == nullptr || objects->array() == nullptr) return;
+    for (const JsonValue& object : *objects->array()) ids.insert(std::string(object.text("id").value_or("")));
+  };
+  ids_in("virtualObjects", state.objects_);
+  ids_in("aivs", state.aivs_);
   return state;
 }
 
@@ -100,6 +106,8 @@ std::string OperatorState::text() const {
   for (const auto& [name, intention] : own_) text += "; " + name + ":" + intention.text();
   text += "; objects:";
   for (const std::string& id : objects_) text += " " + id;
+  text += "; AIVs:";
+  for (const std::string& id : aivs_) text += " " + id;
   return text;
 }
 

@@ -34,6 +34,20 @@ TEST(OperatorState, equals_what_the_server_persists_for_the_same_commands) {
   EXPECT_NE(*read, state);
 }
 
+TEST(OperatorState, knows_the_virtual_aivs_that_may_be_in_the_zone) {
+  OperatorState state;
+  state.take(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"a","s":0.3}})");
+  state.take(R"({"command":"add","virtualObject":{"id":"V2","kind":"aiv","section":"b","s":0.3}})");
+  state.take(R"({"command":"remove","id":"V1"})");
+  EXPECT_EQ(state.aivs(), std::set<std::string>{"V2"});
+  const auto read = OperatorState::from_persisted(R"({"aivs":[{"id":"V2","section":"b","s":0.3}]})");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->aivs(), state.aivs());
+  state.take(R"({"command":"remove","id":"*"})");
+  EXPECT_TRUE(state.aivs().empty());
+  EXPECT_EQ(*read, state) << "there may have been no room for V2";
+}
+
 TEST(OperatorState, cannot_be_read_from_another_text) {
   EXPECT_EQ(OperatorState::from_persisted("stopped").error().code, "simulate.state");
 }

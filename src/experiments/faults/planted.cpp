@@ -18,6 +18,10 @@ std::string_view to_string(Planted planted) {
     case Planted::hidden_age: return "hidden-age";
     case Planted::lost_link: return "lost-link";
     case Planted::hidden_damage: return "hidden-damage";
+    case Planted::lost_boards: return "lost-boards";
+    case Planted::forgotten_aiv: return "forgotten-aiv";
+    case Planted::unseen_person: return "unseen-person";
+    case Planted::hidden_loss: return "hidden-loss";
   }
   return "?";
 }

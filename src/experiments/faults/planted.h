@@ -24,12 +24,17 @@ enum class Planted : std::uint8_t {
   hidden_age,         ///< a vehicle that no longer reports is shown as up to date
   lost_link,          ///< AIV1 does not connect again after the broker has died
   hidden_damage,      ///< an inverted bit of the store is not reported
+  lost_boards,        ///< AIV1's boards do not connect again after the plant has died
+  forgotten_aiv,      ///< a restart loses the virtual AIVs
+  unseen_person,      ///< AIVs are not informed of virtual persons
+  hidden_loss,        ///< messages that were lost are not counted as missing
 };
-inline constexpr std::array<Planted, 13> all_planted{
+inline constexpr std::array<Planted, 17> all_planted{
     Planted::early_decision,   Planted::failed_sync,  Planted::hidden_refusal, Planted::forgotten_command,
     Planted::repeated_command, Planted::old_state,    Planted::forgotten_stop, Planted::double_click,
     Planted::lost_pause,       Planted::lifted_pause, Planted::hidden_age,     Planted::lost_link,
-    Planted::hidden_damage};
+    Planted::hidden_damage,    Planted::lost_boards,  Planted::forgotten_aiv,  Planted::unseen_person,
+    Planted::hidden_loss};
 
 /// "early-decision".
 [[nodiscard]] std::string_view to_string(Planted planted);

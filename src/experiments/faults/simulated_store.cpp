@@ -28,6 +28,14 @@ std::string without_stops(const std::string& persisted) {
   return text;
 }
 
+/// The state without its virtual AIVs.
+std::string without_aivs(const std::string& persisted) {
+  const std::string field = R"("aivs":[)";
+  const std::size_t at = persisted.find(field);
+  if (at == std::string::npos) return persisted;
+  return persisted.substr(0, at + field.size()) + persisted.substr(persisted.find(']', at));
+}
+
 }  // namespace
 
 struct SimulatedStore::Commit {
@@ -146,6 +154,7 @@ CoreStore::Left SimulatedStore::left() {
   if (planted_ == Planted::repeated_command && last_command_) left.accepted.push_back(*last_command_);
   if (planted_ == Planted::old_state && state_before_) left.persisted = state_before_;
   if (planted_ == Planted::forgotten_stop && left.persisted) left.persisted = without_stops(*left.persisted);
+  if (planted_ == Planted::forgotten_aiv && left.persisted) left.persisted = without_aivs(*left.persisted);
   return left;
 }
 

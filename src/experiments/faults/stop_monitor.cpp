@@ -1,6 +1,7 @@
 #include "cosiva/experiments/faults/stop_monitor.h"
 
 #include "cosiva/base/expect.h"
+#include "cosiva/experiments/faults/fault.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -10,7 +11,7 @@ constexpr double at_rest_mps = 1e-3;
 }  // namespace
 
 StopMonitor::StopMonitor(const World& world, std::uint32_t aivs) : world_{world}, vehicles_(aivs) {
-  for (std::uint32_t i = 0; i < aivs; ++i) vehicles_[i].name = "CoSiVA/AIV" + std::to_string(i + 1);
+  for (std::uint32_t i = 0; i < aivs; ++i) vehicles_[i].name = vehicle_id(static_cast<Process>(i + 1));
 }
 
 void StopMonitor::on_effect(Process aiv, const wire::Publish& message) {
@@ -31,6 +32,11 @@ Finding StopMonitor::on_server_message(const wire::Publish& message, const Opera
 }
 
 Finding StopMonitor::step(const OperatorState& state, const FaultInjection& faults) {
+  if (!faults.running(plant_process)) {
+    // A plant that starts puts the vehicles elsewhere, and counts their distances from there.
+    for (Vehicle& vehicle : vehicles_) vehicle.distance_m_max.reset();
+    return std::nullopt;
+  }
   const auto ground_truth = world_.plant().vehicles();
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     Vehicle& vehicle = vehicles_[i];

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/experiments/faults/fault.h"
 #include "cosiva/wire/messages/topics.h"
 
 namespace cosiva::experiments {
@@ -13,6 +14,16 @@ constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
 constexpr double tolerance_ms = 25.0;
 /// The server's clock may be slow.
 constexpr double tolerance_ratio = 1e-3;
+
+/// The summary of a server that counts no message as missing.
+std::string without_losses(std::string summary) {
+  constexpr std::string_view field = R"("missed":)";
+  for (std::size_t at = summary.find(field); at != std::string::npos; at = summary.find(field, at)) {
+    at += field.size();
+    summary.replace(at, summary.find_first_not_of("0123456789", at) - at, "0");
+  }
+  return summary;
+}
 
 }  // namespace
 
@@ -27,6 +38,14 @@ void TwinMonitor::on_received(SimTime now, const std::string& topic) {
 JsonValue TwinMonitor::snapshot() const {
   auto json = JsonValue::parse(world_.server().snapshot_json(), snapshot_bytes_max);
   COSIVA_EXPECT(json && json->find("aivs") != nullptr && json->find("aivs")->array() != nullptr);
+  return std::move(*json);
+}
+
+JsonValue TwinMonitor::summary() const {
+  std::string text = world_.server().summary_json();
+  if (planted_ == Planted::hidden_loss) text = without_losses(std::move(text));
+  auto json = JsonValue::parse(text, snapshot_bytes_max);
+  COSIVA_EXPECT(json);
   return std::move(*json);
 }
 
@@ -69,12 +88,18 @@ Finding TwinMonitor::check() const {
 std::set<std::string> TwinMonitor::off_circuit() const {
   const JsonValue json = snapshot();
   std::set<std::string> ids;
+  for (Process aiv = 1; moved_ && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   for (const JsonValue& aiv : *json.find("aivs")->array()) {
+    ids.erase(std::string(aiv.text("id").value_or("")));
     const JsonValue* errors = aiv.find("errors");
     if (errors == nullptr || errors->array() == nullptr) continue;
     for (const JsonValue& error : *errors->array())
-      if (error.text() != nullptr && error.text()->starts_with("offCircuit")) ids.insert(aiv.text("id").value_or(""));
+      if (error.text() != nullptr &&
+          (error.text()->starts_with("offCircuit") || (moved_ && error.text()->starts_with("positionUnknown"))))
+        ids.insert(aiv.text("id").value_or(""));
   }
+  // A vehicle that was moved may block all others.
+  for (Process aiv = 1; moved_ && !ids.empty() && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   return ids;
 }
 
@@ -107,7 +132,7 @@ std::string TwinMonitor::not_fresh(SimDuration age_max) const {
     else
       why += " " + std::string(aiv.text("id").value_or("")) + " (age " + std::to_string(age_ms) + " ms)";
   }
-  if (fresh == aivs_) return {};
+  if (fresh == aivs_ || (moved_ && why.empty())) return {};
   return std::to_string(fresh) + " of " + std::to_string(aivs_) + " twins are fresh" +
          (why.empty() ? "" : ", not:" + why);
 }

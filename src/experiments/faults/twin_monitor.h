@@ -32,10 +32,15 @@ class TwinMonitor {
   void on_server_start() { received_.clear(); }
   /// Checks the present snapshot.
   [[nodiscard]] Finding check() const;
+  /// What the server counts of each vehicle (ServerCore::summary_json), for MessageLedger.
+  [[nodiscard]] JsonValue summary() const;
+  /// A plant that starts again has its vehicles elsewhere: one that does not drive cannot know where it is, and has no
+  /// twin.
+  void on_plant_killed() { moved_ = true; }
   /// Whether all vehicles are shown, with a report not older than `age_max`; otherwise the reason.
   [[nodiscard]] std::string not_fresh(SimDuration age_max) const;
-  /// Vehicles ("CoSiVA/AIV1") that are too far from every path: a zone switch may leave them where only a person can
-  /// move them.
+  /// Vehicles ("CoSiVA/AIV1") that only a person can help: those too far from every path, where a zone switch may leave
+  /// them, and those that were dead when they were moved, and have no twin because they do not know where they are.
   [[nodiscard]] std::set<std::string> off_circuit() const;
   /// What the server shows of each vehicle that does not drive, for the report of a violation.
   [[nodiscard]] std::string situation() const;
@@ -48,6 +53,7 @@ class TwinMonitor {
   const World& world_;
   std::uint32_t aivs_;
   Planted planted_;
+  bool moved_{false};
   std::map<std::string, SimTime> received_;  ///< the last report of each vehicle, "CoSiVA/AIV1"
 };
 

@@ -217,4 +217,21 @@ SegmentContent read_segment(std::string_view bytes, RecordNumber until, const On
   return nothing;
 }
 
+void visit_records(std::string_view intact, const OnRecord& on_record) {
+  COSIVA_EXPECT(on_record != nullptr);
+  if (intact.empty()) return;
+  for (std::size_t at = header_bytes; at < intact.size();) {
+    const auto header = front_header(intact.substr(at));
+    COSIVA_EXPECT(header.has_value());
+    at += batch_header_bytes;
+    for (std::uint32_t i = 0; i < header->count; ++i) {
+      const auto record = front_record(intact.substr(at));
+      COSIVA_EXPECT(record && *record);
+      on_record(header->first + i, **record);
+      at += (*record)->bytes;
+    }
+    at += Chain::bytes_count;
+  }
+}
+
 }  // namespace cosiva::journal

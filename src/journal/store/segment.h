@@ -66,5 +66,8 @@ using OnRecord = std::function<void(RecordNumber, const RecordView&)>;
 /// was written again in that one. `on_record` may be empty.
 [[nodiscard]] SegmentContent read_segment(std::string_view bytes, RecordNumber until = no_record,
                                           const OnRecord& on_record = {});
+/// Gives the records of a segment again, without verifying them: `intact` are the intact_bytes that read_segment() has
+/// found.
+void visit_records(std::string_view intact, const OnRecord& on_record);
 
 }  // namespace cosiva::journal

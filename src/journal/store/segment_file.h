@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/base/result.h"
@@ -39,10 +40,18 @@ struct SegmentReading {
 
 /// The segments of a store, in their order. Fails as the disk does.
 [[nodiscard]] Result<std::vector<SegmentFile>> segment_files(const Disk& disk);
-/// Reads one. Fails as the disk does.
+/// Whether a segment that begins at `start` is that of the file, and continues the store at `expected`, where that is
+/// known. Fails ("store.mixed", "store.gap", "store.chain"), and names the file.
+[[nodiscard]] Result<void> check_start(const SegmentStart& start, const SegmentFile& file,
+                                       const std::optional<SegmentStart>& expected);
+/// Reads one from its bytes.
 /// @param following  the first record of the next segment; nothing for the last one
 /// @param expected   where the store continues; nothing before the first segment that is read
 /// @param on_record  may be empty
+[[nodiscard]] SegmentReading read_segment_bytes(std::string_view bytes, const SegmentFile& file,
+                                                std::optional<RecordNumber> following,
+                                                const std::optional<SegmentStart>& expected, const OnRecord& on_record);
+/// Reads one from the disk. Fails as the disk does.
 [[nodiscard]] Result<SegmentReading> read_segment_file(const Disk& disk, const SegmentFile& file,
                                                        std::optional<RecordNumber> following,
                                                        const std::optional<SegmentStart>& expected,

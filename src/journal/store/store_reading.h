@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -24,14 +25,19 @@ struct StoreContent {
   std::optional<Error> damage;
 };
 
-/// Reads the segments from the one that begins with record `from` on, and checks that each continues the one before.
-/// Fails as the disk does. `on_record` may be empty.
-[[nodiscard]] Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record = {}, RecordNumber from = 0);
-/// Reads a store likewise and makes all that was read durable; a torn tail is cut off, because nothing of it was
-/// confirmed. Fails also with the damage.
-[[nodiscard]] Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record = {}, RecordNumber from = 0);
-/// The first record of the last segment in which a restart can begin; 0: it needs the whole store.
-[[nodiscard]] Result<RecordNumber> last_checkpoint(const Disk& disk);
+/// Reads all segments, and checks that each continues the one before. Fails as the disk does. `on_record` may be empty.
+[[nodiscard]] Result<StoreContent> read_store(const Disk& disk, const OnRecord& on_record = {});
+
+/// From which segment on a store is recovered.
+enum class RecoverFrom : std::uint8_t {
+  beginning,
+  checkpoint,  ///< the last one in which a restart can begin; where there is none, the first
+};
+/// Reads the segments of a store once each, checks that each continues the one before, and makes all that was read
+/// durable; a torn tail is cut off, because nothing of it was confirmed. Fails as the disk does, and with the damage.
+/// `on_record` may be empty; it is called where nothing is damaged.
+[[nodiscard]] Result<StoreContent> recover_store(Disk& disk, const OnRecord& on_record = {},
+                                                 RecoverFrom from = RecoverFrom::beginning);
 
 /// Makes a damaged store usable: keeps all records before the damage, and renames what follows to "….damaged". Returns
 /// what was read, with the damage.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "cosiva/base/random.h"
@@ -292,6 +293,76 @@ TEST(Store, is_compacted_by_whole_segments_before_a_record_and_begins_later_then
   EXPECT_EQ(compact_store(disk, 99).value(), 1U) << "the last segment stays";
 }
 
+/// A store with a segment for each record: a checkpoint where the text is in capitals.
+SimulatedDisk store_of(const std::vector<std::string>& texts) {
+  SimulatedDisk disk{1};
+  SegmentLog log{disk, beginning, 1};
+  for (const std::string& text : texts) {
+    Batch batch;
+    batch.add({SimTime{}, wire::InputKind::persisted, {}, text, text < "a"});
+    EXPECT_TRUE(log.write(batch));
+  }
+  return disk;
+}
+
+std::vector<RecordNumber> recovered_from_checkpoint(SimulatedDisk& disk) {
+  std::vector<RecordNumber> read;
+  const auto content = recover_store(
+      disk, [&](RecordNumber number, const RecordView&) { read.push_back(number); }, RecoverFrom::checkpoint);
+  EXPECT_TRUE(content) << to_string(content.error());
+  if (content && !read.empty()) {
+    EXPECT_EQ(content->begin->first, read.front());
+    EXPECT_EQ(content->next->first, read.back() + 1);
+  }
+  return read;
+}
+
+TEST(Store, is_recovered_from_the_last_segment_with_a_checkpoint_and_each_segment_is_read_once) {
+  SimulatedDisk disk = store_of({"a", "B", "c", "D", "e", "f"});
+  std::map<std::string, int> reads;
+  disk.set_faults([&](Call call, const std::string& name) {
+    if (call == Call::read) ++reads[name];
+    return std::string{};
+  });
+  EXPECT_THAT(recovered_from_checkpoint(disk), ElementsAre(4U, 5U, 6U));
+  EXPECT_THAT(reads,
+              ElementsAre(std::pair{segment_name(4), 1}, std::pair{segment_name(5), 1}, std::pair{segment_name(6), 1}));
+}
+
+TEST(Store, without_a_checkpoint_is_recovered_from_its_beginning) {
+  SimulatedDisk disk = store_of({"a", "b", "c"});
+  EXPECT_THAT(recovered_from_checkpoint(disk), ElementsAre(1U, 2U, 3U));
+  SimulatedDisk empty{1};
+  EXPECT_THAT(recovered_from_checkpoint(empty), ElementsAre());
+}
+
+TEST(Store, gives_the_same_records_from_a_checkpoint_where_batches_hold_several) {
+  SimulatedDisk disk = small_store();
+  std::vector<wire::Input> inputs;
+  ASSERT_TRUE(recover_store(
+      disk, [&](RecordNumber, const RecordView& record) { inputs.push_back(record.input()); },
+      RecoverFrom::checkpoint));
+  EXPECT_EQ(inputs, recover(disk).inputs);
+}
+
+TEST(Store, is_recovered_from_a_checkpoint_whatever_was_damaged_before_and_not_where_damage_follows) {
+  const auto error_with = [](const auto& damage) {
+    SimulatedDisk disk = store_of({"A", "b", "C", "d", "e"});
+    damage(disk);
+    const auto content = recover_store(
+        disk, [](RecordNumber, const RecordView&) { FAIL() << "a damaged store gives no records"; },
+        RecoverFrom::checkpoint);
+    return content ? std::string{} : content.error().code + " " + content.error().location;
+  };
+  SimulatedDisk damaged_before = store_of({"A", "b", "C", "d", "e"});
+  damaged_before.flip_bit(segment_name(2), 8 * 130);
+  EXPECT_THAT(recovered_from_checkpoint(damaged_before), ElementsAre(3U, 4U, 5U));
+  EXPECT_THAT(error_with([](SimulatedDisk& disk) { disk.flip_bit(segment_name(4), 8 * 130); }),
+              testing::AllOf(StartsWith("store.chain"), HasSubstr(segment_name(4))));
+  EXPECT_THAT(error_with([](SimulatedDisk& disk) { ASSERT_TRUE(disk.remove(segment_name(4))); }),
+              testing::AllOf(StartsWith("store.gap"), HasSubstr(segment_name(5))));
+}
+
 TEST(SegmentLog, writes_a_batch_again_in_a_new_segment_after_a_failed_sync) {
   SimulatedDisk disk{1};
   SegmentLog log{disk, beginning, large_segment};
@@ -330,8 +401,7 @@ TEST(SegmentLog, writes_a_large_batch_in_portions_of_which_none_counts_without_t
   EXPECT_TRUE(log.write(batch_of(1, 1)));
   int portions = 0;
   disk.set_faults([&](Call call, const std::string&) {
-    if (call == Call::append) ++portions;
-    return std::string{portions == 3 ? "disk.io" : ""};
+    return std::string{call == Call::append && ++portions == 3 ? "disk.io" : ""};
   });
   const Batch large = batch_of(2, 30, 60'000);
   EXPECT_EQ(log.write(large).error().code, "disk.io");
@@ -391,6 +461,86 @@ void survives(std::uint64_t seed) {
 
 TEST(Store, keeps_every_acknowledged_record_through_faults_of_the_disk_and_power_failures) {
   EXPECT_TRUE(rc::check([](std::uint64_t seed) { RC_ASSERT(failures_of([&] { survives(seed); }) == ""); }));
+}
+
+/// Processes that write batches one after the other, each in a store that the one before has left. The power fails at
+/// the disk's call of this number.
+class PowerFailure {
+ public:
+  PowerFailure(std::uint64_t seed, std::uint64_t at_call) : disk_{seed} {
+    disk_.set_faults([this, at_call](Call, const std::string&) {
+      dead_ = dead_ || disk_.calls() >= at_call;
+      return std::string{dead_ ? "disk.io" : ""};
+    });
+  }
+
+  /// @return  whether the power has failed
+  bool run() {
+    for (int process = 0; process < 3 && !dead_; ++process) run_process();
+    return dead_;
+  }
+
+  /// Everything acknowledged is there after the failure, and another process continues.
+  void check() {
+    dead_ = false;
+    disk_.set_faults({});
+    disk_.fail_power();
+    const auto verified = read_store(disk_);
+    ASSERT_TRUE(verified);
+    ASSERT_FALSE(verified->damage) << to_string(*verified->damage);
+    const RecordNumber acknowledged = acknowledged_;
+    run_process();
+    ASSERT_GE(recovered_, acknowledged);
+    EXPECT_GT(acknowledged_, acknowledged);
+    disk_.fail_power();
+    const auto after = read_store(disk_);
+    ASSERT_TRUE(after && after->next);
+    EXPECT_FALSE(after->damage || after->torn);
+    EXPECT_EQ(after->next->first, acknowledged_ + 1);
+  }
+
+ private:
+  void run_process() {
+    RecordNumber last = 0;
+    const auto content = recover_store(disk_, [&](RecordNumber number, const RecordView& record) {
+      EXPECT_THAT(record.payload, StartsWith(std::to_string(number)));
+      last = number;
+    });
+    if (dead_) return;
+    ASSERT_TRUE(content) << to_string(content.error());
+    recovered_ = last;
+    const SegmentStart next = content->next.value_or(beginning);
+    SegmentLog log{disk_, next, 3'000};
+    // One of them is larger than a sector, and one of them than the portion in which a batch is written.
+    for (const std::size_t payload_bytes : {30U, 700U, 300'000U, 40U}) {
+      const Batch batch = batch_of(log.next().first, 2, payload_bytes);
+      const bool written = log.write(batch).has_value();
+      if (dead_) return;
+      ASSERT_TRUE(written);
+      acknowledged_ = log.next().first - 1;
+    }
+    if (acknowledged_ < 12) return;
+    const auto compacted = compact_store(disk_, acknowledged_ - 8);
+    EXPECT_TRUE(compacted || dead_);
+  }
+
+  SimulatedDisk disk_;
+  bool dead_{false};
+  RecordNumber acknowledged_{0};
+  RecordNumber recovered_{0};
+};
+
+TEST(Store, keeps_every_acknowledged_record_where_the_power_fails_at_any_call_of_the_disk) {
+  std::uint64_t calls = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    for (calls = 1; !HasFatalFailure(); ++calls) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", call " + std::to_string(calls));
+      PowerFailure process{seed, calls};
+      if (!process.run()) break;
+      process.check();
+    }
+  }
+  EXPECT_GT(calls, 40U) << "calls of the disk in a run without a failure";
 }
 
 }  // namespace

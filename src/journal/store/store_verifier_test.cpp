@@ -5,7 +5,6 @@
 
 #include "cosiva/journal/store/segment_log.h"
 #include "cosiva/journal/store/simulated_disk.h"
-#include "cosiva/journal/store/store_reading.h"
 
 namespace cosiva::journal {
 namespace {
@@ -75,19 +74,6 @@ TEST_F(Verified, segments_that_were_removed_are_not_missed) {
   EXPECT_EQ(verifier.step(), false);
   write("d");
   EXPECT_EQ(verifier.step(), true);
-}
-
-TEST_F(Verified, restart_begins_in_the_last_segment_with_a_checkpoint) {
-  EXPECT_EQ(last_checkpoint(disk), 0U);
-  for (const char* text : {"a", "B", "c", "D", "e", "f"}) write(text);
-  EXPECT_EQ(last_checkpoint(disk), 4U);
-  std::vector<RecordNumber> read;
-  const auto content = recover_store(
-      disk, [&](RecordNumber number, const RecordView&) { read.push_back(number); }, 4);
-  ASSERT_TRUE(content);
-  EXPECT_THAT(read, testing::ElementsAre(4U, 5U, 6U));
-  EXPECT_EQ(content->next->first, 7U);
-  EXPECT_EQ(content->begin->first, 4U);
 }
 
 }  // namespace

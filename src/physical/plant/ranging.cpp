@@ -74,14 +74,17 @@ void RangeFan::see_edge(Point2 from, Point2 to) {
   const Point2 direction{to.x_m - from.x_m, to.y_m - from.y_m};
   const double length_sq = dot(direction, direction);
   const double foot = -dot(from, direction) / length_sq;
+  // Of an edge in front of the sensor: once a beam lies to its left, so do all further beams.
+  const bool in_front = from.x_m > 0.0 && to.x_m > 0.0;
   // The cross product of a border with a point to its left is positive; along the edge it changes linearly.
   double right_from = cross(border_[0], from);
   double right_to = cross(border_[0], to);
   for (std::size_t beam = 0; beam < DobsBoard::beams; ++beam) {
+    const bool is_to_the_right = right_from < 0.0 && right_to < 0.0;
+    if (is_to_the_right && in_front) return;
     const double left_from = cross(border_[beam + 1], from);
     const double left_to = cross(border_[beam + 1], to);
-    const bool neighbour = (right_from < 0.0 && right_to < 0.0) || (left_from > 0.0 && left_to > 0.0);
-    if (!neighbour) {
+    if (!is_to_the_right && !(left_from > 0.0 && left_to > 0.0)) {
       double low = 0.0;
       double high = 1.0;
       if (right_from < 0.0) low = std::max(low, right_from / (right_from - right_to));

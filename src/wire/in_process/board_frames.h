@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <typeinfo>
@@ -15,7 +16,7 @@ namespace cosiva::wire {
 /// of one SendBytes and one Input instead of the bytes of up to four streams. Messages and sequence numbers are those
 /// that the other side would read from the frames, so that both sides count and decide alike.
 ///
-/// Invariant: every message is as module_link reads it (module_link::as_read).
+/// Invariant: every message is as module_link reads it (module_link::change_to_read).
 class BoardFrames final : public InProcessMessage {
  public:
   struct Frame {
@@ -26,12 +27,12 @@ class BoardFrames final : public InProcessMessage {
 
   explicit BoardFrames(std::uint32_t vehicle) : vehicle_{vehicle} {}
 
-  void add(Board board, std::uint8_t sequence, BoardMessage message);
-  /// Empties the list and keeps its memory.
-  void clear() { frames_.clear(); }
+  void add(Board board, std::uint8_t sequence, const BoardMessage& message);
+  /// Empties the list and keeps its memory, that of the messages too.
+  void clear() { count_ = 0; }
   [[nodiscard]] std::uint32_t vehicle() const { return vehicle_; }
   /// In the order in which they were sent.
-  [[nodiscard]] std::span<const Frame> frames() const { return frames_; }
+  [[nodiscard]] std::span<const Frame> frames() const { return std::span{frames_}.first(count_); }
   /// The frames from `first` on that are of the same board as that one: what one piece of a stream would hold.
   /// @param first  less than frames().size() (checked)
   [[nodiscard]] std::span<const Frame> run_of_board(std::size_t first) const;
@@ -40,7 +41,8 @@ class BoardFrames final : public InProcessMessage {
 
  private:
   std::uint32_t vehicle_;
-  std::vector<Frame> frames_;
+  std::vector<Frame> frames_;  ///< the list, and behind it what an earlier one left
+  std::size_t count_{0};
 };
 
 /// The frames, if such are passed on; null otherwise. The class is final, so one comparison does.

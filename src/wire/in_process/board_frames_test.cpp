@@ -78,7 +78,7 @@ TEST(BoardFrames, fold_number_kinds_and_sequence_numbers) {
 
 TEST(BoardFramesDeathTest, have_no_run_behind_their_end) {
   BoardFrames frames{1};
-  EXPECT_DEATH((void)frames.run_of_board(0), "first < frames_.size");
+  EXPECT_DEATH((void)frames.run_of_board(0), "first < count_");
 }
 
 }  // namespace

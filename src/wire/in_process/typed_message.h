@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
+#include <typeinfo>
 #include <utility>
 #include <variant>
 
@@ -22,6 +24,8 @@ class TypedMessage final : public InProcessMessage {
  public:
   using Message = std::variant<State, Visualization, Intent, DetectedObstacleReport, BoardsReport, Order>;
   explicit TypedMessage(Message what) : message{std::move(what)} {}
+  template <typename Content>
+  TypedMessage(std::in_place_type_t<Content> type, Content&& content) : message{type, std::forward<Content>(content)} {}
   void fold(Digest& digest) const override;
 
   Message message;
@@ -40,14 +44,17 @@ void archive_value(Archive& archive, std::shared_ptr<const TypedMessage>& messag
 
 template <typename Message>
 [[nodiscard]] std::shared_ptr<const TypedMessage> typed(Message&& message) {
-  return std::make_shared<const TypedMessage>(as_received(std::forward<Message>(message)));
+  return std::make_shared<const TypedMessage>(std::in_place_type<std::remove_cvref_t<Message>>,
+                                              as_received(std::forward<Message>(message)));
 }
 
 /// The message's values, if the message was passed on as values and is of this type.
 template <typename Message>
 [[nodiscard]] const Message* value_as(const std::shared_ptr<const InProcessMessage>& by) {
-  const auto* values = dynamic_cast<const TypedMessage*>(by.get());
-  return values != nullptr ? std::get_if<Message>(&values->message) : nullptr;
+  // The class is final, so one comparison does.
+  const InProcessMessage* message = by.get();
+  if (message == nullptr || typeid(*message) != typeid(TypedMessage)) return nullptr;
+  return std::get_if<Message>(&static_cast<const TypedMessage*>(message)->message);
 }
 
 // CoSiVA's own messages, as values or as text; those of VDA 5050 are read next to their codec (vda5050/said.h).

@@ -75,10 +75,14 @@ Result<Frame> decode(std::string_view frame) {
   return Frame{content->bytes[1], std::move(*message)};
 }
 
-BoardMessage as_read(BoardMessage&& message) {
+void change_to_read(BoardMessage& message) {
   if (auto* display = std::get_if<Display>(&message)) display->text.resize(display_bytes(display->text));
   if (auto* drive = std::get_if<Drive>(&message); drive != nullptr && !drive->seek) drive->goal.reset();
   if (const auto* ranges = std::get_if<Ranges>(&message)) COSIVA_EXPECT(ranges->range_mm.size() <= beams_max);
+}
+
+BoardMessage as_read(BoardMessage&& message) {
+  change_to_read(message);
   return std::move(message);
 }
 

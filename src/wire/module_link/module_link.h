@@ -28,8 +28,10 @@ inline constexpr std::size_t beams_max = 32;         ///< of a Ranges
 /// The same, appended to `out`, which saves an allocation where several frames leave together.
 void append_frame(std::string& out, const BoardMessage& message, std::uint8_t sequence);
 
-/// The message as the other side reads it from its frame: a text over 32 bytes loses whole characters from its end, and
-/// a Drive that does not seek has no goal. More than 32 beams are a defect of the caller (COSIVA_EXPECT).
+/// Changes the message to what the other side reads from its frame: a text over 32 bytes loses whole characters from
+/// its end, and a Drive that does not seek has no goal. More than 32 beams are a defect of the caller (COSIVA_EXPECT).
+void change_to_read(BoardMessage& message);
+/// Likewise, the message itself.
 [[nodiscard]] BoardMessage as_read(BoardMessage&& message);
 
 /// Numbers the frames that it sends.

@@ -276,7 +276,7 @@ void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from
   delivery.to = to;
   delivery.at = at;
   delivery.topic.assign(message.topic);
-  delivery.payload.assign(message.payload);
+  if (!message.payload.empty() || !delivery.payload.empty()) delivery.payload.assign(message.payload);
   delivery.retained = from_retained;
   delivery.typed = message.typed;
   queue_.push_back({at, sequence_++, slot});

@@ -196,6 +196,8 @@ std::optional<Circuit::Route> Circuit::shortest_route(TrackPosition from, TrackP
     if (to.s_m - from.s_m > limit_m) return std::nullopt;
     return Route{to.s_m - from.s_m, {from.section}};
   }
+  // Most searches have a short limit, and end on the section that they begin on.
+  if (!(section(from.section).length_m() - from.s_m <= limit_m)) return std::nullopt;
   // Dijkstra over the few sections within the limit, in a map: nothing of the circuit's size is allocated.
   struct Reached {
     double start_m;  // distance travelled when it begins

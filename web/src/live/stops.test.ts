@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Command } from './contract';
-import { reasons_of_stops, unconfirmed_of, unconfirmed_stops, updated, type Stop } from './stops';
+import { few_names, reasons_of_stops, unconfirmed_of, unconfirmed_stops, updated, type Stop } from './stops';
 
 const stop = (more: Partial<Command>): Command => ({ id: 'c1', vehicle: 'CoSiVA/AIV1', command: 'stop', state: 'issued', time_ms: 1_000, reason: '', ...more }) as Command;
 
@@ -44,5 +44,19 @@ describe('the Stops of this page', () => {
     const open = [sent({ unconfirmed: ['a/b', 'c/d'] }), sent({ id: 'S-2', unconfirmed: ['a/b'] })];
     expect(unconfirmed_of(open, 1_500)).toEqual([]);
     expect(unconfirmed_of(open, 1_501)).toEqual(['a/b', 'c/d']);
+  });
+});
+
+describe('the text of vehicles', () => {
+  const ids = (count: number) => Array.from({ length: count }, (_, i) => `CoSiVA/AIV${i + 1}`);
+
+  it('names a few', () => {
+    expect(few_names(ids(2))).toBe('CoSiVA/AIV1, CoSiVA/AIV2');
+    expect(few_names(ids(8))).toMatch(/, CoSiVA\/AIV8$/);
+    expect(few_names([])).toBe('');
+  });
+  it('counts the rest of many', () => {
+    expect(few_names(ids(9))).toMatch(/, CoSiVA\/AIV8 and 1 more$/);
+    expect(few_names(ids(500))).toMatch(/, CoSiVA\/AIV8 and 492 more$/);
   });
 });

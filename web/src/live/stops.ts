@@ -45,3 +45,12 @@ export function unconfirmed_of(stops: readonly Stop[], now_ms: number): string[]
   const open = stops.filter(({ sent_ms }) => now_ms - sent_ms > confirm_ms_max);
   return [...new Set(open.flatMap(({ unconfirmed }) => unconfirmed ?? []))];
 }
+
+/** How many vehicles a text names; the others are counted. */
+const named_max = 8;
+
+/** The vehicles of a text: "AIV1, AIV2", or "AIV1 … AIV8 and 492 more". A list of hundreds would cover the page. */
+export function few_names(ids: readonly string[]): string {
+  const others = ids.length - named_max;
+  return ids.slice(0, named_max).join(', ') + (others > 0 ? ` and ${others} more` : '');
+}

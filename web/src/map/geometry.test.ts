@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Point, Zone } from '../live/contract';
-import { inside, nearest_on_line, nearest_on_tracks, path_length, section_at, spread_out } from './geometry';
+import { inside, nearest_on_line, nearest_on_tracks, path_length, section_at, simplified, spread_out } from './geometry';
 import { field } from './zone_sample';
 
 const corner: Point[] = [[0, 0], [3, 0], [3, 4]];
@@ -23,6 +23,33 @@ describe('a polyline', () => {
     expect(nearest_on_line([[1, 1]], 1, 3)).toEqual({ x: 1, y: 1, distance: 2, along: 0 });
     expect(nearest_on_line([[1, 1], [1, 1], [2, 1]], 2, 1)).toMatchObject({ distance: 0, along: 1 });
     expect(nearest_on_line([], 0, 0)).toBeNull();
+  });
+});
+
+describe('a simplified polyline', () => {
+  const arc = (steps: number): Point[] => Array.from({ length: steps + 1 }, (_, i) => [Math.cos((i * Math.PI) / 2 / steps), Math.sin((i * Math.PI) / 2 / steps)]);
+
+  it('has the ends alone of a straight line', () => {
+    expect(simplified([[0, 0], [1, 0.0004], [2, 0], [3, 0]], 0.001)).toEqual([[0, 0], [3, 0]]);
+    expect(simplified(corner, 0.001)).toEqual(corner);
+  });
+
+  it('omits no point further away than the tolerance', () => {
+    // A chord over the angle a of a unit circle is 1 - cos(a/2) from the arc: for 0.01, pieces of at most 16 degrees.
+    const few = simplified(arc(90), 0.01);
+    expect(few.length).toBeLessThanOrEqual(9);
+    expect(few.length).toBeGreaterThanOrEqual(7);
+    for (const [x, y] of arc(90)) expect(nearest_on_line(few, x, y)!.distance).toBeLessThanOrEqual(0.01 + 1e-12);
+  });
+
+  it('keeps a closed line open to the furthest point, and lines of two points as they are', () => {
+    expect(simplified([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]], 0.1)).toEqual([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]);
+    expect(simplified([[1, 1], [1, 1]], 0.1)).toEqual([[1, 1], [1, 1]]);
+    expect(simplified([], 0.1)).toEqual([]);
+  });
+
+  it('follows a spike that returns to the chord', () => {
+    expect(simplified([[0, 0], [5, 0], [1, 0]], 0.1)).toEqual([[0, 0], [5, 0], [1, 0]]);
   });
 });
 

@@ -20,6 +20,37 @@ export function path_length(points: readonly Point[]): number {
   return sum;
 }
 
+/**
+ * The polyline without the points that it would not miss: no omitted point is further than `tolerance` from the result
+ * [m]. The first and the last point stay. (Ramer 1972, Douglas and Peucker 1973)
+ */
+export function simplified(points: readonly Point[], tolerance: number): Point[] {
+  if (points.length < 3) return [...points];
+  const vertex = new Uint8Array(points.length);
+  vertex[0] = vertex[points.length - 1] = 1;
+  const open: [number, number][] = [[0, points.length - 1]];
+  for (let range = open.pop(); range; range = open.pop()) {
+    const [from, to] = range;
+    let furthest = -1;
+    let most = tolerance;
+    for (let i = from + 1; i < to; i++) {
+      const off = off_chord(points[i]!, points[from]!, points[to]!);
+      if (off > most) [most, furthest] = [off, i];
+    }
+    if (furthest < 0) continue;
+    vertex[furthest] = 1;
+    open.push([from, furthest], [furthest, to]);
+  }
+  return points.filter((_, i) => vertex[i]);
+}
+
+/** The distance from a point to the piece from `a` to `b`, which may be a single point [m]. */
+function off_chord([x, y]: Point, [ax, ay]: Point, [bx, by]: Point): number {
+  const square = (bx - ax) ** 2 + (by - ay) ** 2;
+  const ratio = square > 0 ? Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / square)) : 0;
+  return Math.hypot(ax + (bx - ax) * ratio - x, ay + (by - ay) * ratio - y);
+}
+
 /** The nearest point on an open polyline; null for a polyline without points. */
 export function nearest_on_line(points: readonly Point[], x: number, y: number): OnLine | null {
   const first = points[0];

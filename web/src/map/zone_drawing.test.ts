@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Primitive } from '../live/contract';
-import { gathered } from './zone_drawing';
+import { gathered, level_of, tolerance_of } from './zone_drawing';
 import { field } from './zone_sample';
 
 describe('the drawing of a large zone', () => {
@@ -19,5 +19,15 @@ describe('the drawing of a large zone', () => {
     const above = below.map((one): Primitive => ({ ...one, layer: 'line' }));
     const layers = gathered([...below, ...above], [0, 0, 30, 30]).map((group) => group[0]!.layer);
     expect(layers.indexOf('line')).toBe(layers.lastIndexOf('road') + 1);
+  });
+});
+
+describe('the level of detail of lines', () => {
+  it('deviates by an eighth to a quarter of a pixel at any scale', () => {
+    for (const scale of [0.03, 0.5, 1, 1.68, 2, 37, 512, 900]) {
+      const deviation_px = tolerance_of(level_of(scale)) * scale;
+      expect(deviation_px).toBeLessThanOrEqual(0.25);
+      expect(deviation_px).toBeGreaterThan(0.125 - 1e-12);
+    }
   });
 });

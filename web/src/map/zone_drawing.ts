@@ -2,7 +2,7 @@
 // the zone, the layers or the colours change.
 import type { Point, Primitive, Zone } from '../live/contract';
 import { context_2d, resize_canvas } from './canvas';
-import { box_of } from './geometry';
+import { box_of, simplified } from './geometry';
 import type { Colours } from './renderer';
 import { to_screen, type Size, type View } from './view';
 
@@ -38,12 +38,16 @@ interface Shape {
   shape: Primitive['shape'];
   size_m: number;
   primitives: readonly Primitive[];
+  /** for the level of detail at which it was last painted */
   path: Path2D;
+  level: number;
   low: Point;
   high: Point;
 }
 /** Number of grid cells per axis; cells outside the view are skipped. */
 const pieces = 12;
+/** Lines are painted through points that deviate less than this from them [px]. */
+const detail_px = 0.25;
 /** Fewer shapes than this are not grouped. */
 const gathered_min = 400;
 
@@ -135,13 +139,15 @@ export class ZoneDrawing {
     context.lineJoin = 'round';
     // Kerbs are painted first, under all roads, so that no kerb crosses another road.
     context.strokeStyle = colours.road_edge;
-    for (const { layer, shape, size_m, path } of visible) {
-      if (layer !== 'road' || shape !== 'polyline') continue;
-      context.lineWidth = Math.max(size_m, 2 / view.scale) + 3 / view.scale;
-      context.stroke(path);
+    for (const one of visible) {
+      if (one.layer !== 'road' || one.shape !== 'polyline') continue;
+      context.lineWidth = Math.max(one.size_m, 2 / view.scale) + 3 / view.scale;
+      context.stroke(path_at(one, scale));
     }
-    for (const { layer, kind, shape, size_m, primitives, path } of visible) {
+    for (const one of visible) {
+      const { layer, kind, shape, size_m, primitives } = one;
       if (shape === 'text') continue;
+      const path = path_at(one, scale);
       const style = styles[layer] ?? other;
       context.globalAlpha = style.alpha ?? 1;
       const least = (style.pixels_min ?? 0) / view.scale;
@@ -229,8 +235,30 @@ function gather(primitives: readonly Primitive[], bounds: Zone['bounds']): Shape
   return gathered(primitives, bounds).map((group) => {
     const { layer, kind = '', shape, size_m } = group[0]!;
     const { low_x, low_y, high_x, high_y } = box_of(group.flatMap((one) => one.points));
-    return { layer, kind, shape, size_m, primitives: group, path: shape === 'text' ? new Path2D() : path_of(group, size_m), low: [low_x, low_y], high: [high_x, high_y] };
+    return { layer, kind, shape, size_m, primitives: group, path: shape === 'text' || shape === 'polyline' ? new Path2D() : path_of(group, size_m), level: NaN, low: [low_x, low_y], high: [high_x, high_y] };
   });
+}
+
+/**
+ * Without a graphics card a stroke costs as much as its points, most of which are closer together than a pixel when a large
+ * zone is shown whole. Each shape has one path, for scales within a factor of two.
+ */
+function path_at(shape: Shape, scale: number): Path2D {
+  const level = level_of(scale);
+  if (shape.shape !== 'polyline' || shape.level === level) return shape.path;
+  const lines = shape.primitives.map((one) => ({ ...one, points: simplified(one.points, tolerance_of(level)) }));
+  shape.path = path_of(lines, shape.size_m);
+  shape.level = level;
+  return shape.path;
+}
+
+/** The level of detail for a scale in device pixels per metre: its power of two, rounded up. */
+export function level_of(scale: number): number {
+  return Math.ceil(Math.log2(scale));
+}
+/** The deviation of lines at a level of detail [m]: at most `detail_px` at each of its scales. */
+export function tolerance_of(level: number): number {
+  return detail_px / 2 ** level;
 }
 
 /** @param radius  radius of discs [m] */

@@ -11,9 +11,10 @@
 
 namespace cosiva::experiments {
 
-/// A process of a world: 0 is the server, N is the on-board program of AIV N.
+/// A process of a world: 0 is the server, N is the on-board program of AIV N, and the last number is the plant.
 using Process = std::uint32_t;
 inline constexpr Process server_process = 0;
+inline constexpr Process plant_process = 0xffff'ffff;
 
 /// Faults of the processes, connections, broker and clocks of a world, and what its processes receive and do.
 class FaultInjection {
@@ -45,6 +46,12 @@ class FaultInjection {
   virtual void publish_from_outside(const wire::Publish& message) = 0;
   /// Publishes a message as if this process had done so, where it is linked.
   virtual void publish_from(Process process, const wire::Publish& message) = 0;
+  /// The plant dies. When it starts again, its vehicles are at their start positions, as on the live platform; the byte
+  /// streams of all boards are closed meanwhile.
+  virtual void kill_plant() = 0;
+  virtual void start_plant() = 0;
+  /// Closes the byte streams of an AIV's boards, or opens them again, for both ends; a start of either end opens them.
+  virtual void set_boards(Process aiv, bool open) = 0;
   /// Gives an operator's command to the server as its HTTP interface does: a Stop at once, another command once the
   /// server's store has it. `decided` is called when the interface would report success (202), or with the reason why
   /// not; never where the process dies before.
@@ -53,9 +60,9 @@ class FaultInjection {
   /// Each may be empty.
   struct Observer {
     std::function<void(Process)> on_killed;
-    /// Before the core handles the input.
+    /// Before the core handles the input; not of the plant.
     std::function<void(Process, const wire::Input&)> on_input;
-    /// When the effect is carried out.
+    /// When the effect is carried out; not of the plant.
     std::function<void(Process, const wire::Effect&)> on_effect;
     /// Whether a message of this process reaches the network; empty: every one does.
     std::function<bool(Process, const wire::Publish&)> passes;

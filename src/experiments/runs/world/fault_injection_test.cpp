@@ -47,6 +47,34 @@ TEST(FaultInjection, a_fleet_stops_without_its_broker_and_drives_on_after_its_re
   EXPECT_GT(distance_m(*world, 1), stopped_m + 1.0);
 }
 
+TEST(FaultInjection, a_fleet_drives_again_from_its_start_after_the_plant_has_died) {
+  const auto world = world_of(2);
+  world->run_for(10s);
+  EXPECT_GT(distance_m(*world, 1), 1.0);
+  world->faults().kill_plant();
+  EXPECT_FALSE(world->faults().running(plant_process));
+  world->run_for(2s);
+  world->faults().start_plant();
+  EXPECT_EQ(distance_m(*world, 1), 0.0) << "a new plant";
+  EXPECT_TRUE(world->faults().linked(plant_process));
+  world->run_for(30s);
+  for (const std::uint32_t number : {1U, 2U}) EXPECT_GT(distance_m(*world, number), 1.0) << number;
+  EXPECT_TRUE(world->plant().collisions().empty());
+}
+
+TEST(FaultInjection, a_vehicle_does_not_drive_while_the_streams_of_its_boards_are_closed) {
+  const auto world = world_of(2);
+  world->run_for(10s);
+  world->faults().set_boards(1, false);
+  world->run_for(2s);
+  const double stopped_m = distance_m(*world, 1);
+  world->run_for(3s);
+  EXPECT_NEAR(distance_m(*world, 1), stopped_m, 1e-3);
+  world->faults().set_boards(1, true);
+  world->run_for(10s);
+  EXPECT_GT(distance_m(*world, 1), stopped_m + 0.5);
+}
+
 TEST(FaultInjection, a_vehicle_that_receives_nothing_stops_and_is_still_online) {
   const auto world = world_of(2);
   world->run_for(10s);

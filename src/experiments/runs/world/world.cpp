@@ -105,6 +105,20 @@ void publish_from(Actor& actor, SimTime now, wire::Network& network, const wire:
     actor.unsent.push_back(message);
 }
 
+/// Fails as physical::PlantCore::make() does.
+Result<std::unique_ptr<physical::PlantCore>> make_plant(const WorldOptions& options) {
+  physical::PlantOptions plant;
+  plant.zone = options.zone;
+  plant.rtm = options.rtm;
+  plant.vehicles = options.aivs;
+  plant.seed = options.seed;
+  plant.noise = options.noise;
+  plant.publish_ground_truth = options.ground_truth;
+  plant.as_values = options.as_values;
+  plant.cycle = options.cycle.value_or(plant.cycle);
+  return physical::PlantCore::make(std::move(plant));
+}
+
 }  // namespace
 
 struct World::Impl {
@@ -124,9 +138,11 @@ struct World::Impl {
     SimTime at;
     ActorId to;
     std::uint32_t generation;
+    std::shared_ptr<const wire::InProcessMessage> typed;  ///< null: the content is the next of Streams::texts
+  };
+  struct StreamText {
     std::string port;
     std::string bytes;
-    std::shared_ptr<const wire::InProcessMessage> typed;
   };
 
   WorldOptions options;
@@ -136,7 +152,11 @@ struct World::Impl {
   std::vector<zone::TrackPosition> start_positions;
   std::vector<std::string> section_names;
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
-  std::deque<Bytes> streams;  ///< the delay is constant, so the order is first in, first out
+  struct Streams {
+    std::deque<Bytes> bytes;       ///< the delay is constant, so the order is first in, first out
+    std::deque<StreamText> texts;  ///< likewise, of the streams that carry no values
+  };
+  Streams streams;
   struct Delivering {
     std::vector<std::optional<ActorId>> receivers;  ///< by the client of the network; none: outside the platform
     wire::Input input;                              ///< reused, so that a delivery allocates nothing
@@ -209,17 +229,18 @@ struct World::Impl {
   [[nodiscard]] bool broker_running() const;
 
   void act(ActorId id, const wire::Effects& effects) {
+    const FaultInjection::Observer& watched = observer();
     for (const wire::Effect& effect : effects) {
       Actor& actor = actors[id];
       if (actor.effects_to_live && --*actor.effects_to_live == 0) {
         kill(id);
         return;
       }
-      if (id != plant_id && observer().on_effect) observer().on_effect(process_of(id), effect);
+      if (id != plant_id && watched.on_effect) watched.on_effect(process_of(id), effect);
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
         if (handlers.published) handlers.published(now, actor.name, *publish);
         if (publish->topic == wire::plant_radio_topic) change_ether(publish->payload);
-        if (id == plant_id || !observer().passes || observer().passes(process_of(id), *publish))
+        if (id == plant_id || !watched.passes || watched.passes(process_of(id), *publish))
           publish_from(actor, now, network, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
         send_bytes(id, *send);
@@ -251,10 +272,8 @@ struct World::Impl {
   void send_bytes(ActorId from, const wire::SendBytes& send) {
     const ActorId to = from == plant_id ? first_aiv_id + vehicle_of(send.port) - 1 : plant_id;
     if (to >= actors.size() || !actors[to].alive) return;
-    Bytes& bytes = streams.emplace_back(Bytes{now + stream_delay, to, actors[to].generation, {}, {}, send.typed});
-    if (send.typed) return;  // the frames identify their vehicle
-    bytes.port = send.port;
-    bytes.bytes = send.bytes;
+    streams.bytes.push_back({now + stream_delay, to, actors[to].generation, send.typed});
+    if (!send.typed) streams.texts.push_back({send.port, send.bytes});  // values identify their vehicle
   }
 
   void start(ActorId id, std::unique_ptr<wire::Core> core, std::string what, std::string configuration) {
@@ -310,6 +329,7 @@ struct World::Impl {
     actor.earlier_commands.clear();
     if (id == server_id && options.server_store) options.server_store->on_killed();
     if (id >= first_aiv_id) notify_ports(id, plant_id, "down");
+    for (ActorId aiv = first_aiv_id; id == plant_id && aiv < actors.size(); ++aiv) notify_ports(aiv, aiv, "down");
     if (observer().on_killed) observer().on_killed(process_of(id));
   }
 
@@ -338,6 +358,7 @@ struct World::Impl {
     }
     std::string configuration = aiv::to_json(onboard);
     start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
+    if (!actors[plant_id].alive) return;
     notify_ports(id, plant_id, "up");
     notify_ports(id, id, "up");
   }
@@ -353,7 +374,7 @@ struct World::Impl {
 
   [[nodiscard]] SimTime next_event() const {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
-    if (!streams.empty()) next = std::min(next, streams.front().at);
+    if (!streams.bytes.empty()) next = std::min(next, streams.bytes.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
     if (options.server_store) {
       if (const auto due_at = options.server_store->next_due()) next = std::min(next, std::max(now, *due_at));
@@ -383,17 +404,20 @@ struct World::Impl {
 
   void step() {
     // One instant at a time, in a fixed order: bytes, messages, the scenario, ticks.
-    while (!streams.empty() && streams.front().at <= now) {
-      Bytes& bytes = streams.front();  // stays where it is while others are added
-      if (actors[bytes.to].generation == bytes.generation) {
-        if (bytes.typed)
-          feed_again(bytes.to, wire::InputKind::bytes, std::move(bytes.typed));
-        else
-          feed(bytes.to, wire::InputKind::bytes, std::move(bytes.port), std::move(bytes.bytes));
+    while (!streams.bytes.empty() && streams.bytes.front().at <= now) {
+      Bytes bytes = std::move(streams.bytes.front());
+      streams.bytes.pop_front();
+      const bool receiver_runs = actors[bytes.to].generation == bytes.generation;
+      if (bytes.typed) {
+        if (receiver_runs) feed_again(bytes.to, wire::InputKind::bytes, std::move(bytes.typed));
+        continue;
       }
-      streams.pop_front();
+      StreamText text = std::move(streams.texts.front());
+      streams.texts.pop_front();
+      if (receiver_runs) feed(bytes.to, wire::InputKind::bytes, std::move(text.port), std::move(text.bytes));
     }
-    network.deliver_due(now, [this](wire::Network::Delivery& delivery) { deliver(delivery); });
+    if (const auto due_at = network.next_due(); due_at && *due_at <= now)
+      network.deliver_due(now, [this](wire::Network::Delivery& delivery) { deliver(delivery); });
     if (options.server_store) {
       if (const auto due_at = options.server_store->next_due(); due_at && *due_at <= now)
         options.server_store->work(now);
@@ -417,7 +441,8 @@ struct World::Impl {
     delivering.input.at = actor.clock.read(now);
     delivering.input.kind = wire::InputKind::message;
     std::swap(delivering.input.source, delivery.topic);
-    std::swap(delivering.input.payload, delivery.payload);
+    if (!delivery.payload.empty() || !delivering.input.payload.empty())
+      std::swap(delivering.input.payload, delivery.payload);
     delivering.input.flag = delivery.retained;
     delivering.input.typed = std::move(delivery.typed);
     handle(*receiver, delivering.input);
@@ -450,9 +475,9 @@ class World::Impl::Faults final : public FaultInjection {
   void break_link(Process process) override {
     if (!std::exchange(actor(process).linked, false)) return;
     world_.network.break_connection(world_.now, actor(process).client);
-    world_.feed(server_id + process, wire::InputKind::link, "broker", "down");
+    world_.feed(actor_of(process), wire::InputKind::link, "broker", "down");
   }
-  void restore_link(Process process) override { world_.link(server_id + process); }
+  void restore_link(Process process) override { world_.link(actor_of(process)); }
   void block(Process process, wire::Network::Blocked blocked) override {
     if (actor(process).linked) world_.network.set_blocked(world_.now, actor(process).client, blocked);
   }
@@ -483,13 +508,23 @@ class World::Impl::Faults final : public FaultInjection {
   void publish_from(Process process, const wire::Publish& message) override {
     if (actor(process).linked) world_.network.publish(world_.now, actor(process).client, message);
   }
+  void kill_plant() override { world_.kill(plant_id); }
+  void start_plant() override;
+  void set_boards(Process aiv, bool open) override {
+    COSIVA_EXPECT(aiv != server_process && aiv != plant_process);
+    world_.notify_ports(actor_of(aiv), plant_id, open ? "up" : "down");
+    world_.notify_ports(actor_of(aiv), actor_of(aiv), open ? "up" : "down");
+  }
   void command(std::string json, std::function<void(const Result<void>&)> decided) override;
   void observe(Observer observer) override { observer_ = std::move(observer); }
 
  private:
+  [[nodiscard]] static ActorId actor_of(Process process) {
+    return process == plant_process ? plant_id : server_id + process;
+  }
   [[nodiscard]] Actor& actor(Process process) const {
-    COSIVA_EXPECT(server_id + process < world_.actors.size());
-    return world_.actors[server_id + process];
+    COSIVA_EXPECT(actor_of(process) < world_.actors.size());
+    return world_.actors[actor_of(process)];
   }
 
   Impl& world_;
@@ -497,6 +532,16 @@ class World::Impl::Faults final : public FaultInjection {
   Observer observer_;
   wire::Network::ClientId unknown_sender_{};
 };
+
+void World::Impl::Faults::start_plant() {
+  COSIVA_EXPECT(!running(plant_process));
+  auto plant = make_plant(world_.options);
+  COSIVA_EXPECT(plant);
+  std::string configuration = physical::to_json((*plant)->options());
+  world_.start(plant_id, std::move(*plant), "plant", std::move(configuration));
+  for (Process aiv = 1; aiv <= world_.options.aivs; ++aiv)
+    if (running(aiv)) set_boards(aiv, true);
+}
 
 void World::Impl::Faults::command(std::string json, std::function<void(const Result<void>&)> decided) {
   Actor& server = actor(server_process);
@@ -538,16 +583,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   if (options.cycle && (*options.cycle < cycle_min || *options.cycle > cycle_max))
     return fail("world.cycle",
                 "the common cycle must be from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
-  physical::PlantOptions plant_options;
-  plant_options.zone = options.zone;
-  plant_options.rtm = options.rtm;
-  plant_options.vehicles = options.aivs;
-  plant_options.seed = options.seed;
-  plant_options.noise = options.noise;
-  plant_options.publish_ground_truth = options.ground_truth;
-  plant_options.as_values = options.as_values;
-  plant_options.cycle = options.cycle.value_or(plant_options.cycle);
-  auto plant = physical::PlantCore::make(std::move(plant_options));
+  auto plant = make_plant(options);
   if (!plant) return tl::unexpected(plant.error());
 
   if (options.network.aside_prefix.empty()) options.network.aside_prefix = wire::v2x_topic_prefix;

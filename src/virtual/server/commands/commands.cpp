@@ -91,9 +91,10 @@ std::vector<VehicleIndex> Commands::addressed(const VehicleCommand& requested) c
   return vehicles;
 }
 
-std::string Commands::next_id(const std::string& wanted) {
-  ++running_;
-  return wanted.empty() ? "c" + std::to_string(running_) : wanted;
+std::string Commands::id_for(const std::string& wanted) {
+  if (wanted.empty()) return ids_.next();
+  ids_.count();
+  return wanted;
 }
 
 void Commands::refuse(Command command, const Error& error) {
@@ -105,7 +106,7 @@ void Commands::refuse(Command command, const Error& error) {
 void Commands::issue(const Result<VehicleCommand>& requested, bool stored) {
   Command command;
   command.at = publisher_.now();
-  command.id = next_id(requested ? requested->id : "");
+  command.id = id_for(requested ? requested->id : "");
   if (requested) {
     command.kind = requested->kind;
     command.command_text = requested->command_text;
@@ -148,13 +149,15 @@ void Commands::begin(Command command) {
     keep(std::move(command));
     return;
   }
-  supersede(command);
+  const bool ends_restart = supersede(command);
   std::vector<wire::Action> actions;
   switch (kind) {
     case OperatorCommandKind::stop:
       proxy.settings.on_stop();
       actions.push_back(action("startPause"));
-      actions.back().action_id = command.action_id;
+      // A restart that is not confirmed yet may arrive after the Stop that was published already, which the vehicle
+      // performs once: what follows the restart on this connection is another action then.
+      if (!ends_restart) actions.back().action_id = command.action_id;
       break;
     case OperatorCommandKind::restart:
       actions.push_back(action("stopPause"));
@@ -187,7 +190,7 @@ void Commands::begin(Command command) {
 void Commands::issue_again(VehicleIndex vehicle, OperatorCommandKind kind, double speed_mps) {
   Command command;
   command.at = publisher_.now();
-  command.id = next_id("");
+  command.id = ids_.next();
   command.kind = kind;
   command.command_text = to_string(kind);
   command.speed_mps = speed_mps;
@@ -200,17 +203,33 @@ bool Commands::any_open(VehicleIndex vehicle) const {
   return std::ranges::any_of(list_, [vehicle](const Command& c) { return c.vehicle == vehicle && c.open(); });
 }
 
-void Commands::supersede(const Command& by) {
+bool Commands::stop_unperformed(VehicleIndex vehicle) const {
+  const wire::State* state = registry_[vehicle].state();
+  return std::ranges::any_of(list_, [&](const Command& command) {
+    if (command.vehicle != vehicle || !command.open() || command.kind != OperatorCommandKind::stop) return false;
+    const InstantActionSender::PendingAction* sent = action_sender_.find(command.handle);
+    COSIVA_EXPECT(sent != nullptr);
+    if (state == nullptr || !sent->acknowledged()) return true;  // it is repeated
+    const auto listed =
+        std::ranges::find(state->action_states, sent->actions.front().action_id, &wire::ActionState::action_id);
+    return listed != state->action_states.end() && listed->status != wire::ActionStatus::finished;
+  });
+}
+
+bool Commands::supersede(const Command& by) {
   // Otherwise the older command, repeated because its acknowledgement was lost, would revert the newer one.
   const auto overtakes = [&](OperatorCommandKind older) {
     if (older == *by.kind || *by.kind == OperatorCommandKind::restart) return true;
     return (sets_speed(older) && sets_speed(*by.kind)) ||
            (older == OperatorCommandKind::restart && *by.kind == OperatorCommandKind::stop);
   };
+  bool ends_restart = false;
   for (Command& older : list_) {
-    if (older.vehicle == by.vehicle && older.open() && overtakes(*older.kind))
-      fail_command(older, "superseded by " + by.id + " (" + std::string(to_string(*by.kind)) + ")");
+    if (older.vehicle != by.vehicle || !older.open() || !overtakes(*older.kind)) continue;
+    ends_restart = ends_restart || older.kind == OperatorCommandKind::restart;
+    fail_command(older, "superseded by " + by.id + " (" + std::string(to_string(*by.kind)) + ")");
   }
+  return ends_restart;
 }
 
 bool Commands::effect_observed(const Command& command) const {
@@ -330,6 +349,6 @@ void Commands::fold(Digest& digest) const {
   }
 }
 
-void Commands::archive(Archive& archive) { archive(list_, running_); }
+void Commands::archive(Archive& archive) { archive(list_); }
 
 }  // namespace cosiva::virtual_side

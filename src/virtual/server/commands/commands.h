@@ -9,6 +9,7 @@
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/commands/command_ids.h"
 #include "cosiva/virtual/server/commands/intentions.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
@@ -50,13 +51,14 @@ class Commands {
   static constexpr std::size_t kept_max = 200;
 
   Commands(Registry& registry, MessagePublisher& publisher, InstantActionSender& action_sender, OrderManager& orders,
-           Simulator& simulator, Intentions& intentions)
+           Simulator& simulator, Intentions& intentions, CommandIds& ids)
       : registry_{registry},
         publisher_{publisher},
         action_sender_{action_sender},
         orders_{orders},
         simulator_{simulator},
-        intentions_{intentions} {}
+        intentions_{intentions},
+        ids_{ids} {}
 
   /// Whether issue() would execute the command.
   [[nodiscard]] Result<void> check(const VehicleCommand& command) const;
@@ -67,13 +69,14 @@ class Commands {
   /// Issues a command again whose intention a vehicle does not fulfil: it was not there, or has been restarted.
   void issue_again(VehicleIndex vehicle, OperatorCommandKind kind, double speed_mps);
   [[nodiscard]] bool any_open(VehicleIndex vehicle) const;
+  /// Whether a Stop waits until the vehicle performs it. One that the vehicle has performed, and that is still open,
+  /// may have been ended by an older restart that arrived later.
+  [[nodiscard]] bool stop_unperformed(VehicleIndex vehicle) const;
   void on_state(VehicleIndex vehicle);
   void tick();
   /// The vehicle has been removed: its open commands fail.
   void forget(VehicleIndex vehicle, const std::string& reason);
 
-  /// The id of the next command that has none of its own.
-  [[nodiscard]] std::string next_free_id() const { return "c" + std::to_string(running_ + 1); }
   [[nodiscard]] const std::deque<Command>& list() const { return list_; }  ///< oldest first
   void fold(Digest& digest) const;
   void archive(Archive& archive);  ///< the state, for a snapshot
@@ -82,10 +85,11 @@ class Commands {
   [[nodiscard]] std::vector<VehicleIndex> addressed(const VehicleCommand& requested) const;
   /// The monitor; null where the command is for a vehicle that the monitor does not count.
   [[nodiscard]] BijectionMonitor* monitor_of(const Command& command);
-  [[nodiscard]] std::string next_id(const std::string& wanted);
+  [[nodiscard]] std::string id_for(const std::string& wanted);
   void begin(Command command);
   void refuse(Command command, const Error& error);
-  void supersede(const Command& by);
+  /// Ends the open commands that this one reverts. @return  whether a restart was among them
+  bool supersede(const Command& by);
   [[nodiscard]] std::optional<std::string> impossible(VehicleIndex vehicle, OperatorCommandKind kind) const;
   [[nodiscard]] bool effect_observed(const Command& command) const;
   void evaluate(Command& command);
@@ -100,8 +104,8 @@ class Commands {
   OrderManager& orders_;
   Simulator& simulator_;
   Intentions& intentions_;
+  CommandIds& ids_;
   std::deque<Command> list_;
-  std::uint64_t running_{0};
 };
 
 }  // namespace cosiva::virtual_side

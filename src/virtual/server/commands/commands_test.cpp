@@ -66,6 +66,23 @@ TEST_F(CommandFixture, stop_that_was_published_already_has_the_same_action_for_e
   EXPECT_EQ(state_of("S1.AIV2"), "materialised");
 }
 
+TEST_F(CommandFixture, stop_after_a_restart_that_is_not_confirmed_is_another_action_than_the_one_published_already) {
+  fixture.run_for(1s);
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(2s);
+  ASSERT_TRUE(aiv.paused);
+  fixture.send_command(R"({"id":"r","command":"restart","vehicle":"CoSiVA/AIV1"})");
+  const std::size_t before = fixture.published.size();
+  fixture.send_command(R"({"id":"S1","command":"stop","vehicle":"CoSiVA/AIV1","actionId":"S1"})");
+  const auto actions = vda::decode_instant_actions(fixture.published.at(before).payload);
+  ASSERT_TRUE(actions);
+  EXPECT_EQ(actions->actions[0].action_type, "startPause");
+  EXPECT_NE(actions->actions[0].action_id, "S1");
+  fixture.run_for(2s);
+  EXPECT_TRUE(aiv.paused);
+  EXPECT_EQ(state_of("S1"), "materialised");
+}
+
 TEST_F(CommandFixture, stop_is_issued_accepted_and_materialised_when_the_vehicle_is_stopped) {
   ASSERT_GT(aiv.speed_mps, 0.0);
   fixture.command("stop", "CoSiVA/AIV1", "c1");
@@ -619,6 +636,16 @@ TEST_F(FollowedCommands, are_followed_no_longer_after_their_end) {
   EXPECT_EQ(stop.state, CommandState::materialised);
 }
 
+TEST_F(FollowedCommands, that_are_a_stop_wait_for_the_vehicle_until_it_has_performed_or_lost_the_action) {
+  const Command& stop = issue(Kind::stop);
+  EXPECT_TRUE(master.commands.stop_unperformed(aiv1));
+  report_actions(stop, ActionStatus::running);
+  EXPECT_TRUE(master.commands.stop_unperformed(aiv1));
+  report(aiv1, [](wire::State& next) { next.action_states.clear(); });
+  EXPECT_FALSE(master.commands.stop_unperformed(aiv1)) << "the vehicle was restarted";
+  EXPECT_EQ(stop.state, CommandState::accepted);
+}
+
 TEST_F(FollowedCommands, that_the_vehicle_refuses_state_result_and_errors_about_their_actions) {
   const Command& slow = issue(Kind::slow);
   const std::string id = actions_of(slow)[0].action_id;
@@ -677,12 +704,10 @@ TEST_F(FollowedCommands, to_stop_have_no_time_limit) {
 }
 
 TEST_F(FollowedCommands, are_numbered_whether_they_have_ids_of_their_own_or_not) {
-  EXPECT_EQ(master.commands.next_free_id(), "c1");
   EXPECT_EQ(issue(Kind::stop).id, "c1");
   VehicleCommand named = command_to({"CoSiVA/AIV1"}, Kind::slow);
   named.id = "mine";
   EXPECT_EQ(issue(named).id, "mine");
-  EXPECT_EQ(master.commands.next_free_id(), "c3");
   EXPECT_EQ(issue(unknown_command_to({"CoSiVA/AIV1"})).id, "c3");
 }
 

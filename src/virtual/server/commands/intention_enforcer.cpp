@@ -45,11 +45,15 @@ void IntentionEnforcer::enforce(VehicleIndex vehicle) {
   if (intention.empty()) return;
   if (intention.cancelled) proxy.settings.on_cancel();
   const auto kind = unfulfilled(proxy, intention);
-  if (!kind || !proxy.online() || commands_.any_open(vehicle)) return;
+  if (!kind || !proxy.online() || waits(vehicle, *kind)) return;
   std::optional<SimTime>& tried_at = tried_at_[vehicle];
   if (tried_at && publisher_.now() - *tried_at < period) return;
   tried_at = publisher_.now();
   commands_.issue_again(vehicle, *kind, intention.speed_mps_max.value_or(0.0));
+}
+
+bool IntentionEnforcer::waits(VehicleIndex vehicle, OperatorCommandKind kind) const {
+  return kind == OperatorCommandKind::stop ? commands_.stop_unperformed(vehicle) : commands_.any_open(vehicle);
 }
 
 void IntentionEnforcer::archive(Archive& archive) { archive(tried_at_); }

@@ -13,9 +13,11 @@
 namespace cosiva::virtual_side {
 
 /// Has every vehicle fulfil the intentions of operators: a vehicle that reports without being stopped, for example
-/// because it was switched off at the Stop, or has been restarted since, gets the command again.
+/// because it was switched off at the Stop, or has been restarted since, gets the command again. A Stop is published
+/// over a connection of its own, too: messages of an older restart may arrive after it, and end it.
 ///
-/// Invariant: a vehicle gets at most one command in each period from here, and none while another one is open.
+/// Invariant: a vehicle gets at most one command in each period from here, and none while another one is open; a Stop
+/// waits for no other command than a Stop that the vehicle has not performed.
 class IntentionEnforcer {
  public:
   static constexpr SimDuration period{std::chrono::seconds{1}};
@@ -30,6 +32,7 @@ class IntentionEnforcer {
 
  private:
   void enforce(VehicleIndex vehicle);
+  [[nodiscard]] bool waits(VehicleIndex vehicle, OperatorCommandKind kind) const;
   /// The command that the vehicle's last state contradicts.
   [[nodiscard]] static std::optional<OperatorCommandKind> unfulfilled(const AivProxy& proxy,
                                                                       const Intention& intention);

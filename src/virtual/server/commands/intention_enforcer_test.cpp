@@ -54,6 +54,33 @@ TEST_F(EnforcedIntentions, stop_a_vehicle_again_that_was_restarted) {
   EXPECT_NEAR(aiv1.driven_m, driven_m, 0.1) << "until the first startPause arrived";
 }
 
+TEST_F(EnforcedIntentions, stop_a_vehicle_again_that_an_older_restart_has_released_while_it_braked) {
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  for (int i = 0; i < 100 && !aiv1.paused; ++i) fixture.run_for(10ms);
+  ASSERT_TRUE(aiv1.paused);
+  ASSERT_GT(aiv1.speed_mps, 0.1) << "it brakes, so that the Stop is not confirmed yet";
+  aiv1.paused = false;  // a stopPause that was delayed; the vehicle has performed the Stop, and does not repeat it
+  aiv1.state_due = true;
+  const double driven_m = aiv1.driven_m;
+  fixture.run_for(2s);
+  EXPECT_TRUE(aiv1.paused);
+  EXPECT_EQ(aiv1.speed_mps, 0.0);
+  EXPECT_LT(aiv1.driven_m, driven_m + 0.5);
+}
+
+TEST_F(EnforcedIntentions, stop_a_vehicle_again_although_another_command_is_open) {
+  fixture.command("stop", "CoSiVA/AIV1", "c1");
+  fixture.run_for(2s);
+  aiv1.deaf_to.insert("setSpeedLimit");
+  fixture.command("slow", "CoSiVA/AIV1", "c2");
+  fixture.run_for(200ms);
+  aiv1.paused = false;
+  aiv1.state_due = true;
+  fixture.run_for(1s);
+  EXPECT_EQ(fixture.command_entry("c2").text("state"), "issued");
+  EXPECT_TRUE(aiv1.paused);
+}
+
 TEST_F(EnforcedIntentions, hold_over_a_restart_of_the_server) {
   fixture.kill(aiv2);
   fixture.run_for(1s);

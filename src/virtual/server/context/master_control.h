@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cosiva/virtual/server/commands/command_ids.h"
 #include "cosiva/virtual/server/commands/commands.h"
 #include "cosiva/virtual/server/commands/intention_enforcer.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -32,7 +33,8 @@ struct MasterControl {
   Deadlocks deadlocks{served.registry, served.publisher, served.traces, orders};
   MapDeployment maps{served.registry, served.publisher, actions};
   Intentions intentions{};
-  Commands commands{served.registry, served.publisher, actions, orders, served.simulator, intentions};
+  CommandIds command_ids{};
+  Commands commands{served.registry, served.publisher, actions, orders, served.simulator, intentions, command_ids};
   IntentionEnforcer enforcer{served.registry, served.publisher, intentions, commands};
 };
 

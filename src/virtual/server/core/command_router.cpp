@@ -28,6 +28,11 @@ Result<CheckedCommand> either(Result<Checked> checked) {
 
 Result<void> CommandRouter::check(const DecodedCommand& decoded) const {
   if (!decoded.command()) return tl::unexpected(decoded.command().error().error);
+  if (decoded.identity() && master_.command_ids.find(*decoded.identity()) == CommandIds::Known::other) {
+    return fail(
+        "command.id_taken",
+        "the id '" + decoded.identity()->id + "' belongs to another command; give each command an id of its own", "id");
+  }
   const OperatorCommand& command = *decoded.command();
   if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) return master_.commands.check(*to_vehicles);
   if (const auto found = checked(command); !found) return tl::unexpected(found.error());
@@ -36,6 +41,10 @@ Result<void> CommandRouter::check(const DecodedCommand& decoded) const {
 
 void CommandRouter::run(const DecodedCommand& decoded, bool stored) {
   if (!decoded.command()) return refuse(decoded.command().error());
+  if (decoded.identity()) {
+    master_.command_ids.add(*decoded.identity());
+    context_.state_stale = true;
+  }
   const OperatorCommand& command = *decoded.command();
   if (const auto* to_vehicles = std::get_if<VehicleCommand>(&command)) {
     master_.commands.issue(*to_vehicles, stored);

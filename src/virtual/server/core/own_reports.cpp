@@ -33,6 +33,12 @@ std::string health_of(const wire::BoardsReport& report) {
   return text;
 }
 
+bool same_health(const wire::BoardsReport& a, const wire::BoardsReport& b) {
+  return std::ranges::equal(a.boards, b.boards, [](const auto& one, const auto& other) {
+    return one.board == other.board && one.health == other.health;
+  });
+}
+
 std::string position_text(double x_m, double y_m) { return "(" + metres_text(x_m) + ", " + metres_text(y_m) + ")"; }
 
 }  // namespace
@@ -158,10 +164,10 @@ void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
     proxy.counters.on_outdated();
     return;
   }
-  const std::string health = health_of(*report);
   // Two traces a second from each vehicle would obscure the others; only changes are traced.
-  if (!proxy.on_board.boards() || health_of(*proxy.on_board.boards()) != health) {
-    context_.traces.add(context_.now, proxy.name(), "AIV_Server", "boards", health, input.source, input.payload);
+  if (!proxy.on_board.boards() || !same_health(*proxy.on_board.boards(), *report)) {
+    context_.traces.add(context_.now, proxy.name(), "AIV_Server", "boards", health_of(*report), input.source,
+                        input.payload);
   }
   proxy.on_board.on_boards(std::move(*report));
   const wire::BoardsReport& boards = *proxy.on_board.boards();

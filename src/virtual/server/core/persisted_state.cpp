@@ -89,6 +89,7 @@ std::string PersistedState::to_json() const {
   json.end_array();
   zones_.write_state(json);
   if (!master_.intentions.empty()) master_.intentions.write(json.key("intentions"));
+  if (!master_.command_ids.empty()) master_.command_ids.write(json.key("commandIds"));
   if (master_.persisted_missions.worth_remembering()) master_.persisted_missions.write(json.key("traffic"));
   json.end_object();
   return json.take();
@@ -109,6 +110,7 @@ void PersistedState::persist_if_stale() {
 }
 
 void PersistedState::restore(std::string_view bytes) {
+  master_.command_ids.begin_series(context_.now);
   const auto state = JsonValue::parse(bytes);
   if (!state || state->number("version") != std::optional{1.0}) {
     context_.publisher.log('w', "the persisted state of the virtual world cannot be read; it starts empty" +
@@ -119,6 +121,8 @@ void PersistedState::restore(std::string_view bytes) {
   if (const JsonValue* intentions = state->find("intentions");
       intentions != nullptr && !master_.intentions.restore(*intentions))
     context_.publisher.log('w', "some persisted intentions of operators cannot be read; they are skipped");
+  if (const JsonValue* ids = state->find("commandIds"); ids != nullptr && !master_.command_ids.restore(*ids))
+    context_.publisher.log('w', "some persisted ids of commands cannot be read; they are skipped");
   if (const JsonValue* traffic_state = state->find("traffic")) master_.persisted_missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {

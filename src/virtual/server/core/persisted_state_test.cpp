@@ -111,6 +111,24 @@ TEST(PersistedState, that_is_malformed_is_logged_and_skipped) {
   }
 }
 
+TEST(PersistedState, has_the_ids_that_clients_chose_and_skips_those_that_cannot_be_read) {
+  constexpr const char* close = R"({"id":"mine","once":true,"command":"close","section":"east"})";
+  ServerFixture fixture;
+  EXPECT_FALSE(fixture.server->was_given(DecodedCommand{close}));
+  fixture.send_command(close);
+  EXPECT_TRUE(fixture.server->was_given(DecodedCommand{close}));
+  const std::string good = fixture.persisted;
+  fixture.restart_server(true);
+  EXPECT_TRUE(fixture.server->was_given(DecodedCommand{close}));
+  EXPECT_FALSE(fixture.logged("some persisted ids of commands cannot be read; they are skipped"));
+  const std::size_t at = good.find(R"([["mine")");
+  ASSERT_NE(at, std::string::npos);
+  fixture.persisted = std::string(good).insert(at + 1, R"(7,)");
+  fixture.restart_server(true);
+  EXPECT_TRUE(fixture.server->was_given(DecodedCommand{close}));
+  EXPECT_TRUE(fixture.logged("some persisted ids of commands cannot be read; they are skipped"));
+}
+
 TEST(PersistedState, of_edits_waits_for_the_zone_of_the_physical_side) {
   ServerFixture fixture;
   fixture.send_command(edit);

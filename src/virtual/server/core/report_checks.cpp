@@ -48,7 +48,9 @@ bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const w
              "uses version '" + header.version.substr(0, 32) + "'; this server reads 2.x; ignored");
     return false;
   }
-  proxy.counters.on_missed(proxy.received.on_header(topic, header));
+  const ReceivedHeaders::Gap gap = proxy.received.on_header(topic, header);
+  proxy.counters.on_missed(gap.missing);
+  if (gap.late) proxy.counters.on_late();
   return true;
 }
 

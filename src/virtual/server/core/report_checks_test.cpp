@@ -97,6 +97,11 @@ TEST_F(Checked, header_ids_show_how_many_messages_were_lost) {
   EXPECT_EQ(missed_after(0xffff'ffff, 1), 1U) << "the count wraps";
 }
 
+TEST_F(Checked, a_message_that_was_overtaken_is_not_missing) {
+  for (const std::uint32_t id : {7U, 10U, 8U, 8U, 11U}) EXPECT_TRUE(take_number(id));
+  EXPECT_EQ(proxy().counters.missed(), 1U) << "9";
+}
+
 TEST_F(Checked, header_ids_count_by_topic) {
   EXPECT_TRUE(take_number(1, VehicleTopic::state));
   EXPECT_TRUE(take_number(40, VehicleTopic::visualization));

@@ -74,7 +74,7 @@ void ServerCore::Impl::archive(Archive& archive) {
   archive(zones);
   MasterControl& master = parts.master;
   archive(master.traffic, master.actions, master.missions, master.persisted_missions, master.orders, master.deadlocks,
-          master.maps, master.intentions, master.commands, master.enforcer);
+          master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
   AugmentedParts& augmented = parts.augmented;
   archive(augmented.hosted, augmented.pauses, augmented.virtual_obstacles);
   archive(parts.instruments.batteries, parts.instruments.gvs);
@@ -178,6 +178,7 @@ void ServerCore::fold(Digest& digest) const {
   master.deadlocks.fold(digest);
   master.missions.fold(digest);
   master.commands.fold(digest);
+  master.command_ids.fold(digest);
   for (const AivProxy& proxy : context.registry) {
     digest.add(std::string_view{proxy.name()});
     digest.add(std::uint64_t{proxy.identity.number()});
@@ -240,6 +241,9 @@ Result<void> ServerCore::continue_from(std::string_view bytes) {
 SimDuration ServerCore::tick_period() const { return impl_->parts.context.options.cycle; }
 
 Result<void> ServerCore::check_command(const DecodedCommand& command) const { return impl_->router.check(command); }
+bool ServerCore::was_given(const DecodedCommand& command) const {
+  return command.identity() && impl_->parts.master.command_ids.find(*command.identity()) == CommandIds::Known::same;
+}
 
 std::string ServerCore::snapshot_json() const { return impl_->view.snapshot_json(); }
 std::string ServerCore::summary_json() const { return impl_->view.summary_json(); }
@@ -252,8 +256,6 @@ std::string ServerCore::traces_json(std::uint64_t after, std::size_t limit) cons
 std::optional<std::string> ServerCore::trace_json(std::uint64_t n) const {
   return impl_->parts.context.traces.one_json(n);
 }
-std::string ServerCore::next_command_id() const { return impl_->parts.master.commands.next_free_id(); }
-
 std::uint64_t ServerCore::zone_revision() const { return impl_->parts.context.simulator.zone_revision(); }
 std::string ServerCore::zone_json() const { return impl_->parts.context.simulator.drawing().json; }
 std::string ServerCore::next_virtual_object_id(std::string_view kind) const {

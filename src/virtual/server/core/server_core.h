@@ -60,9 +60,9 @@ class ServerCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
   /// Number of the format of snapshot(): increases with every change of what the server's classes store.
-  static constexpr std::uint32_t snapshot_format = 1;
+  static constexpr std::uint32_t snapshot_format = 2;
   /// Digest of snapshot_layout() in this format: a test compares, so that no change of the members is overlooked.
-  static constexpr std::string_view snapshot_layout_digest = "ecbbdc3371099f79";
+  static constexpr std::string_view snapshot_layout_digest = "5906028e9a357bad";
   /// Which types a snapshot stores, and the types of their members: of a server with physical and virtual AIVs the same
   /// in every state.
   friend std::map<std::string, std::string> snapshot_layout(const ServerCore& server);
@@ -71,6 +71,9 @@ class ServerCore final : public wire::Core {
 
   /// Checks a command without running it, for an immediate response to the sender.
   [[nodiscard]] Result<void> check_command(const DecodedCommand& command) const;
+  /// Whether this core, or the one before a restart, was given this command before, with the same id, chosen by its
+  /// client: one of the last CommandIds::chosen_max of these.
+  [[nodiscard]] bool was_given(const DecodedCommand& command) const;
 
   /// Increases when the zone is (re)instantiated; zone_json() is the zone that the HMI draws, "null" before there is a
   /// zone.
@@ -103,8 +106,6 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] std::optional<std::string> battery_curve_json(const std::string& vehicle) const;
   /// "V1", "P2", "O1": the next free one of "aiv", "person", "obstacle".
   [[nodiscard]] std::string next_virtual_object_id(std::string_view kind) const;
-  /// "c12": the id of the next command to vehicles that has none of its own; the caller may give the command this id.
-  [[nodiscard]] std::string next_command_id() const;
   /// The vehicles that a Stop can be published to without this core: those of this server, without the virtual ones.
   [[nodiscard]] std::vector<wire::StopTarget> stop_targets() const;
   /// The zone's configuration with all edits, as it would be saved; nothing while there is no zone.

@@ -95,7 +95,7 @@ void VehicleReports::on_retired(AivProxy& proxy, VehicleTopic topic, const wire:
   // A message that was in transit when the vehicle was retired: only a connection message counts.
   if (topic != VehicleTopic::connection) return;
   if (const auto message = wire::vda5050::decode_connection(input.payload))
-    proxy.connection.on_connection(message->state, context_.now);
+    proxy.connection.on_connection(message->state, context_.now, message->header.timestamp);
 }
 
 void VehicleReports::on_report(VehicleIndex vehicle, SimTime reported_at) {
@@ -116,7 +116,7 @@ void VehicleReports::on_connection(VehicleIndex vehicle, const wire::Input& inpu
   AivProxy& proxy = context_.registry[vehicle];
   context_.traces.add(context_.now, proxy.name(), "AIV_Server", "connection", wire::vda5050::to_string(message->state),
                       input.source, input.payload);
-  if (!proxy.connection.on_connection(message->state, context_.now)) return;
+  if (!proxy.connection.on_connection(message->state, context_.now, message->header.timestamp)) return;
   proxy.on_session();
   augmented_.virtual_obstacles.new_session(vehicle);
 }

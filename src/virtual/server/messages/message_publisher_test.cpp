@@ -198,7 +198,7 @@ TEST_F(Published, log_message_and_state_file_are_effects) {
 TEST_F(Published, messages_state_the_version_that_the_vehicle_uses) {
   wire::Header received;
   received.version = "2.0.0";
-  EXPECT_EQ(registry[0].received.on_header(VehicleTopic::state, received), 0U);
+  EXPECT_EQ(registry[0].received.on_header(VehicleTopic::state, received).missing, 0U);
   wire::Order order;
   order.order_id = "O-1";
   (void)publisher.send(registry[0], std::move(order), "");

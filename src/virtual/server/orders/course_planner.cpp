@@ -185,10 +185,11 @@ void CoursePlanner::begin_route(Sections first, Sections rest) {
 const WaypointGraph::Stretch* CoursePlanner::next_stretch(VehicleIndex vehicle, WaypointIndex at, std::size_t passed) {
   if (vehicles_[vehicle].no_route || passed > route_.size()) return nullptr;
   const auto far_enough = [&] {
+    if (route_.size() - passed < planned_sections) return false;
     double rest_m = 0.0;
-    for (std::size_t i = passed; i < route_.size(); ++i)
+    for (std::size_t i = passed; i < route_.size() && rest_m < planned_m; ++i)
       rest_m += context_.map->circuit().section(route_[i]).length_m();
-    return rest_m >= planned_m && route_.size() - passed >= planned_sections;
+    return rest_m >= planned_m;
   };
   bool longer = false;
   while (!context_.missions.complete(vehicle) && !far_enough()) {

@@ -46,6 +46,10 @@ class CoursePlanner {
   /// Begins an extension: `first` and then `rest` are the sections after the extension's first one. Valid until the
   /// next extension, of any vehicle.
   void begin_route(Sections first, Sections rest = {});
+  /// Likewise, of a vehicle with a base: the sections after that base.
+  void begin_route_beyond_base(VehicleIndex vehicle, zone::TrackPosition position) {
+    list_beyond_base(context_.traffic, vehicle, position, route_);
+  }
   [[nodiscard]] Sections route() const { return route_; }
   /// The stretch of the route from `at`, which is `passed` sections into it; null: the route ends there. The route is
   /// made longer as the mission permits.

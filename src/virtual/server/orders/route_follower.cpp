@@ -60,7 +60,7 @@ std::optional<RouteFollower::Start> RouteFollower::end_of_base(VehicleIndex vehi
     return std::nullopt;
   }
   if (planner_.is_outdated(vehicle) && !planner_.plan_beyond_base(vehicle)) return std::nullopt;
-  planner_.begin_route(context_.traffic.beyond_base(vehicle, track_position).sections);
+  planner_.begin_route_beyond_base(vehicle, track_position);
   return Start{session.base_end(), *left_m};
 }
 
@@ -122,7 +122,7 @@ bool RouteFollower::comes_again(VehicleIndex vehicle, const Start& from, std::si
       on_its_base ? *positions_.reported(vehicle).position : context_.map->waypoint(from.from).position;
   Sections released;
   if (on_its_base)
-    released = context_.traffic.remaining(vehicle).first(context_.traffic.beyond_base(vehicle, start).keep);
+    released = context_.traffic.remaining(vehicle).first(sections_of_base(context_.traffic, vehicle, start));
   const Sections added = planner_.route().first(passed);
   const auto on_base = [&](zone::SectionId section) {
     return std::ranges::find(released, section) != released.end() || std::ranges::find(added, section) != added.end();

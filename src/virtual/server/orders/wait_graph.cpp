@@ -35,7 +35,9 @@ void WaitGraph::sort_waits() {
 const std::vector<Knot>& WaitGraph::find_knots() {
   knots_.clear();
   sort_waits();
-  if (waits_.empty()) return knots_;
+  // A cycle needs vehicles that wait and are waited for; most of the time there are none.
+  const auto waits_itself = [this](const Wait& wait) { return first_[wait.blocker] < first_[wait.blocker + 1]; };
+  if (std::ranges::none_of(waits_, waits_itself)) return knots_;
   blockers_.clear();
   for (const Wait& wait : waits_) blockers_.push_back(wait.blocker);
   components_.find(count_, [this](VehicleIndex v) {

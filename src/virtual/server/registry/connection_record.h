@@ -18,9 +18,11 @@ class ConnectionRecord {
   static constexpr SimDuration will_outlived{std::chrono::seconds{2}};
 
   /// The vehicle or its last will has published `state`.
-  /// @param now  not before the last change (checked)
-  /// @return     a session begins: the vehicle is ONLINE, and was not
-  bool on_connection(wire::ConnectionState state, SimTime now);
+  /// @param now    not before the last change (checked)
+  /// @param stamp  of the message
+  /// @return       a session begins: the vehicle is ONLINE, and was not, or the message is another one than that which
+  ///               began its session. A broker that dies publishes no last will.
+  bool on_connection(wire::ConnectionState state, SimTime now, SimTime stamp = {});
   /// The vehicle has reported.
   /// @return  the vehicle was not online and has outlived its will: from now on it counts as ONLINE
   [[nodiscard]] bool on_report(SimTime now);
@@ -36,6 +38,7 @@ class ConnectionRecord {
  private:
   std::optional<wire::ConnectionState> state_;
   SimTime changed_at_{};
+  SimTime online_stamp_{};  ///< of the message that began the last session
 };
 
 }  // namespace cosiva::virtual_side

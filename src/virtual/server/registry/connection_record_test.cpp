@@ -27,6 +27,19 @@ TEST(ConnectionRecord, begins_a_session_with_the_first_online_and_after_each_los
   EXPECT_TRUE(connection.on_connection(ConnectionState::online, virtual_epoch + 5s));
 }
 
+TEST(ConnectionRecord, begins_a_session_with_each_online_message_even_where_no_loss_was_published) {
+  ConnectionRecord connection;
+  const SimTime first = virtual_epoch;
+  const SimTime second = virtual_epoch + 30s;
+  EXPECT_TRUE(connection.on_connection(ConnectionState::online, virtual_epoch, first));
+  EXPECT_FALSE(connection.on_connection(ConnectionState::online, virtual_epoch + 1s, first)) << "retained";
+  EXPECT_TRUE(connection.on_connection(ConnectionState::online, virtual_epoch + 31s, second))
+      << "the broker has died, with its last wills";
+  EXPECT_FALSE(connection.on_connection(ConnectionState::connection_broken, virtual_epoch + 40s, first));
+  EXPECT_TRUE(connection.on_report(virtual_epoch + 43s));
+  EXPECT_FALSE(connection.on_connection(ConnectionState::online, virtual_epoch + 44s, second)) << "retained";
+}
+
 TEST(ConnectionRecord, takes_a_vehicle_as_online_that_reports_longer_than_two_seconds_after_its_will) {
   ConnectionRecord connection;
   connection.on_connection(ConnectionState::connection_broken, virtual_epoch);

@@ -11,6 +11,11 @@ void MessageCounters::on_missed(std::uint32_t missed) {
   COSIVA_EXPECT(missed_ <= messages_ * missed_per_message_max);
 }
 
+void MessageCounters::on_late() {
+  COSIVA_EXPECT(missed_ >= 1);
+  --missed_;
+}
+
 void MessageCounters::on_refused() {
   ++refused_;
   COSIVA_EXPECT(refused_ <= messages_);
@@ -26,6 +31,8 @@ void MessageCounters::on_dropped() {
   COSIVA_EXPECT(dropped_ <= messages_);
 }
 
-void MessageCounters::archive(Archive& archive) { archive(messages_, missed_, refused_, v2x_refused_, outdated_, dropped_, rate_); }
+void MessageCounters::archive(Archive& archive) {
+  archive(messages_, missed_, refused_, v2x_refused_, outdated_, dropped_, rate_);
+}
 
 }  // namespace cosiva::virtual_side

@@ -21,6 +21,8 @@ class MessageCounters {
   /// @param missed  header ids between the message and the last one of its topic, fewer than missed_per_message_max
   ///                (checked)
   void on_missed(std::uint32_t missed);
+  /// The message was counted as missing before (checked): it was overtaken in transit.
+  void on_late();
   /// The message could not be decoded or did not originate from this vehicle.
   void on_refused();
   /// The message was overtaken by a newer one, or is about a zone that is not in force.
@@ -35,7 +37,7 @@ class MessageCounters {
   [[nodiscard]] const MessageRate& rate() const { return rate_; }
 
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
-  [[nodiscard]] std::uint64_t missed() const { return missed_; }  ///< gaps in header ids: messages lost in transit
+  [[nodiscard]] std::uint64_t missed() const { return missed_; }  ///< gaps in header ids: lost in transit, or dropped
   [[nodiscard]] std::uint64_t refused() const { return refused_ + v2x_refused_; }
   [[nodiscard]] std::uint64_t outdated() const { return outdated_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }

@@ -34,6 +34,18 @@ TEST(MessageCounters, count_a_refused_v2x_message_although_it_is_not_one_of_the_
   EXPECT_EQ(counters.refused(), 1U);
 }
 
+TEST(MessageCounters, count_no_message_as_missing_that_arrives_late) {
+  MessageCounters counters;
+  counters.on_message();
+  counters.on_missed(3);
+  counters.on_message();
+  counters.on_late();
+  EXPECT_EQ(counters.missed(), 2U);
+  counters.on_late();
+  counters.on_late();
+  EXPECT_DEATH(counters.on_late(), "missed_ >= 1");
+}
+
 TEST(MessageCounters, refuse_to_count_more_than_the_messages_themselves) {
   MessageCounters counters;
   EXPECT_DEATH(counters.on_refused(), "refused_ <= messages_");

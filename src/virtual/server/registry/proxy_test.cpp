@@ -119,11 +119,11 @@ TEST(AivProxy, counts_no_messages_as_missing_between_two_sessions) {
   AivProxy proxy = known("Acme");
   wire::Header sent_before;
   sent_before.header_id = 5;
-  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_before), 0U);
+  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_before).missing, 0U);
   proxy.on_session();
   wire::Header sent_after;
   sent_after.header_id = 8;
-  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_after), 0U);
+  EXPECT_EQ(proxy.received.on_header(VehicleTopic::state, sent_after).missing, 0U);
 }
 
 TEST(AivProxy, that_is_retired_has_not_lost_its_position) {

@@ -37,12 +37,14 @@ bool ReportedState::outdated(const wire::Header& header) const {
 ReportedState::Change ReportedState::on_state(wire::State state, bool link_up) {
   COSIVA_EXPECT(!outdated(state.header));
   const std::optional<std::uint32_t> tag_before = last_tag_;
-  std::optional<wire::State> before = std::exchange(last_, std::move(state));
+  Change change{std::move(last_), false};
+  last_ = std::move(state);
   since_link_ = since_link_ || link_up;
   in_session_ = true;
   read_limit();
   read_tag();
-  return {std::move(before), last_tag_ != tag_before};
+  change.new_tag = last_tag_ != tag_before;
+  return change;
 }
 
 void ReportedState::on_session() {

@@ -111,23 +111,9 @@ std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::TrackPosi
 }
 
 Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const {
-  const zone::TrackPosition end = map_->waypoint(vehicles_[vehicle].base_end).position;
-  const Sections remaining = this->remaining(vehicle);
-  const auto rolled_past = [&]() -> std::optional<Beyond> {
-    const auto past = map_->circuit().shortest_route(end, position, past_m);
-    if (!past) return std::nullopt;
-    Beyond beyond{0, {past->sections.begin() + 1, past->sections.end()}};
-    beyond.sections.insert(beyond.sections.end(), remaining.begin(), remaining.end());
-    return beyond;
-  };
-  if (vehicles_[vehicle].base_passed) {
-    if (auto beyond = rolled_past()) return *beyond;
-  }
-  if (end.section == position.section && end.s_m >= position.s_m) return {0, {remaining.begin(), remaining.end()}};
-  const auto left_m = map_->ahead(position, end, vehicles_[vehicle].base_m_max, remaining);
-  const auto found = left_m ? std::ranges::find(remaining, end.section) : remaining.end();
-  if (found == remaining.end()) return rolled_past().value_or(Beyond{0, {}});
-  return {static_cast<std::size_t>(found - remaining.begin()) + 1, {found + 1, remaining.end()}};
+  Beyond beyond{sections_of_base(*this, vehicle, position), {}};
+  list_beyond_base(*this, vehicle, position, beyond.sections);
+  return beyond;
 }
 
 void Traffic::forget(VehicleIndex vehicle) {
@@ -383,6 +369,32 @@ void Traffic::fold(Digest& digest) const {
 
 void Traffic::archive(Archive& archive) {
   archive(vehicles_, by_section_, holders_, queue_, convoys_, now_, positions_dirty_, holds_dirty_);
+}
+
+std::size_t sections_of_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position) {
+  const WaypointGraph& map = traffic.map();
+  const zone::TrackPosition end = map.waypoint(traffic.base_end(vehicle)).position;
+  if (traffic.base_passed(vehicle) && map.circuit().shortest_route(end, position, past_m)) return 0;
+  if (end.section == position.section && end.s_m >= position.s_m) return 0;
+  const Sections remaining = traffic.remaining(vehicle);
+  if (!map.ahead(position, end, traffic.base_m_max(vehicle), remaining)) return 0;
+  const auto found = std::ranges::find(remaining, end.section);
+  return found == remaining.end() ? 0 : static_cast<std::size_t>(found - remaining.begin()) + 1;
+}
+
+void list_beyond_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position,
+                      std::vector<zone::SectionId>& sections) {
+  const Sections remaining = traffic.remaining(vehicle);
+  const std::size_t keep = sections_of_base(traffic, vehicle, position);
+  const zone::TrackPosition end = traffic.map().waypoint(traffic.base_end(vehicle)).position;
+  const bool ends_here = end.section == position.section && end.s_m >= position.s_m;
+  sections.clear();
+  if (keep == 0 && (traffic.base_passed(vehicle) || !ends_here)) {
+    const auto past = traffic.map().circuit().shortest_route(end, position, past_m);
+    if (past) sections.assign(past->sections.begin() + 1, past->sections.end());
+    if (!past && !ends_here) return;
+  }
+  sections.insert(sections.end(), remaining.begin() + static_cast<std::ptrdiff_t>(keep), remaining.end());
 }
 
 }  // namespace cosiva::virtual_side

@@ -229,4 +229,10 @@ class Traffic {
   bool holds_dirty_{true};
 };
 
+/// Traffic::Beyond::keep alone.
+[[nodiscard]] std::size_t sections_of_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position);
+/// Traffic::Beyond::sections alone, in a list whose memory is used again.
+void list_beyond_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position,
+                      std::vector<zone::SectionId>& sections);
+
 }  // namespace cosiva::virtual_side

@@ -199,8 +199,19 @@ Decoded battery_ready_command(const JsonValue& json) {
   return command;
 }
 
-Decoded decode(std::string_view text) {
+std::optional<CommandIdentity> identity_of(const JsonValue& json, std::string_view text) {
+  if (json.flag("once") != std::optional{true}) return std::nullopt;
+  auto id = json.text("id");
+  if (!id || id->empty() || id->size() > CommandIdentity::id_bytes_max) return std::nullopt;
+  Digest content;
+  content.add(text);
+  return CommandIdentity{std::move(*id), content.value()};
+}
+
+/// @param identity  set where the command has one
+Decoded decode(std::string_view text, std::optional<CommandIdentity>& identity) {
   auto json = JsonValue::parse(text, command_bytes_max);
+  if (json) identity = identity_of(*json, text);
   const std::string name = json ? json->text("command").value_or("") : std::string{};
   if (name == "add" || name == "move" || name == "remove") return object_command(*json, name);
   if (name == "edit") return edit_command(*json, EditCommand::Kind::edit);
@@ -223,7 +234,7 @@ Decoded decode(std::string_view text) {
 
 }  // namespace
 
-DecodedCommand::DecodedCommand(std::string_view json, Zone zone) : command_{decode(json)} {
+DecodedCommand::DecodedCommand(std::string_view json, Zone zone) : command_{decode(json, identity_)} {
   if (zone != Zone::built || !command_) return;
   auto* to_zone = std::get_if<SwitchCommand>(&*command_);
   if (to_zone == nullptr) return;

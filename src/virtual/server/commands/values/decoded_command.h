@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,14 @@
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::virtual_side {
+
+/// A command whose id was chosen by a client ("once":true), so that the same request may be sent again.
+struct CommandIdentity {
+  static constexpr std::size_t id_bytes_max = 64;
+  std::string id;
+  std::uint64_t content{};  ///< digest of its text
+  friend bool operator==(const CommandIdentity&, const CommandIdentity&) = default;
+};
 
 /// An operator's command, decoded from its text. The page decodes a command to check it, and passes this value on
 /// together with the text, so that the core need not parse the text again; journals contain the text only.
@@ -38,10 +47,13 @@ class DecodedCommand final : public wire::InProcessMessage {
   explicit DecodedCommand(std::string_view json, Zone zone = Zone::as_text);
 
   [[nodiscard]] const tl::expected<OperatorCommand, Fault>& command() const { return command_; }
+  /// Nothing where the id was not chosen by a client.
+  [[nodiscard]] const std::optional<CommandIdentity>& identity() const { return identity_; }
   /// Nothing: the text of the same input shows in the digests.
   void fold(Digest&) const override {}
 
  private:
+  std::optional<CommandIdentity> identity_;  ///< before the command, with which it is read
   tl::expected<OperatorCommand, Fault> command_;
 };
 

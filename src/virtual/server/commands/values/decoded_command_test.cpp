@@ -84,6 +84,21 @@ TEST(DecodedCommand, reads_commands_to_vehicles) {
               ElementsAre("a/b", ""));
 }
 
+TEST(DecodedCommand, has_an_identity_where_a_client_has_chosen_its_id) {
+  const auto identity = [](const char* json) { return DecodedCommand{json}.identity(); };
+  const char* const close = R"({"id":"mine","once":true,"command":"close","section":"east"})";
+  ASSERT_TRUE(identity(close));
+  EXPECT_EQ(identity(close)->id, "mine");
+  EXPECT_EQ(identity(close), identity(close));
+  EXPECT_NE(identity(close), identity(R"({"id":"mine","once":true,"command":"open","section":"east"})"));
+  for (const char* none :
+       {R"({"id":"mine","command":"close","section":"east"})", R"({"once":true,"command":"close","section":"east"})",
+        R"({"id":"","once":true,"command":"open"})", R"({"id":7,"once":true,"command":"open"})",
+        R"({"id":"mine","once":"true","command":"open"})", "nonsense"})
+    EXPECT_FALSE(identity(none)) << none;
+  EXPECT_FALSE(identity((R"({"once":true,"id":")" + std::string(65, 'x') + "\"}").c_str()));
+}
+
 TEST(DecodedCommand, names_what_is_missing_and_who_refuses_it) {
   EXPECT_EQ(fault_of("[]").error.code, "command.syntax");
   EXPECT_EQ(fault_of(R"({"vehicle":"*"})").error.code, "command.missing");
