@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -48,11 +47,11 @@ class Draw {
   }
 
  private:
-  /// The number of faults of a kind is random with this mean for each minute.
+  /// The number of faults of a kind is random with this mean for each minute, also where the mean is below one half.
   void several(FaultKind kind, double per_minute, const std::function<void(Fault&)>& fill) {
     const double mean = per_minute * to_seconds(options_.duration) / 60.0;
-    const auto count = std::llround(random_.uniform(0.0, 2.0 * mean));
-    for (long long i = 0; i < count; ++i) {
+    const auto count = static_cast<int>(random_.uniform(0.0, 2.0 * mean) + random_.uniform());
+    for (int i = 0; i < count; ++i) {
       Fault fault;
       fault.kind = kind;
       fault.at = between(seconds{3}, options_.duration - seconds{1});

@@ -60,6 +60,19 @@ TEST(FaultSchedule, contains_every_class_at_the_rates_of_the_requirements) {
   for (std::size_t i = 0; i < fault_kinds; ++i) EXPECT_GE(counts.at(i), 40U) << to_string(static_cast<FaultKind>(i));
 }
 
+/// A class with less than one fault in two simulations is drawn, too.
+TEST(FaultSchedule, has_the_same_rates_in_short_simulations) {
+  FaultCounts counts{};
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    const FaultCounts one = count_kinds(draw_fault_schedule(seed, options_of(seconds{30})));
+    for (std::size_t i = 0; i < fault_kinds; ++i) counts.at(i) += one.at(i);
+  }
+  const std::uint64_t bit_flips = counts.at(static_cast<std::size_t>(FaultKind::bit_flip));
+  EXPECT_GE(bit_flips, 110U)
+      << "0.3 in a minute are 150 in 1000 simulations of half a minute; some leave the class out";
+  EXPECT_LE(bit_flips, 190U);
+}
+
 TEST(FaultSchedule, leaves_one_class_out_of_some_seeds) {
   int without_crashes = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {

@@ -18,7 +18,8 @@ namespace cosiva::experiments {
 /// and those that it counts as missing are all. Written apart from the server's own code: it knows what was sent.
 ///
 /// Where the server cannot know better, nothing is checked until the vehicle's next session: messages of another
-/// process than the one that announced the session, or further apart than the server's limits.
+/// process than the one that announced the session, or further apart than the server's limits, or a topic whose first
+/// messages it may have dropped: it counts from the first one that it evaluated.
 ///
 /// Invariant: an id is received only of a message that was sent.
 class MessageLedger {
@@ -44,6 +45,7 @@ class MessageLedger {
     std::uint32_t first{};
     std::uint32_t newest{};
     std::set<std::uint32_t> received{};  ///< in this session, from `first` on
+    bool compared{false};                ///< with the server's count, at least once
     [[nodiscard]] std::int64_t missing() const;
   };
   using Topics = std::map<std::string, Topic, std::less<>>;  ///< by the last level of the topic
@@ -58,9 +60,11 @@ class MessageLedger {
     bool exact{true};
     bool counts_anew{false};  ///< the next comparison determines `offset`
     std::int64_t offset{0};   ///< of the server's count, from sessions that were not exact
+    std::int64_t dropped{0};  ///< by the server, at the last comparison
     [[nodiscard]] std::int64_t missing() const;
     void begin_session(std::uint64_t message, std::optional<std::uint32_t> of);
     void receive(std::string_view topic, std::uint32_t id);
+    void on_dropped(std::int64_t all);
   };
 
   std::map<std::string, Vehicle, std::less<>> vehicles_;

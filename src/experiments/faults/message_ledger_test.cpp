@@ -50,11 +50,26 @@ TEST_F(Ledger, requires_that_exactly_the_lost_messages_count_as_missing) {
 TEST_F(Ledger, permits_a_dropped_message_to_count_as_missing) {
   receive(online(0));
   send_states(0, 3);
-  receive_states({0, 2, 3});
+  receive_states({0});
+  EXPECT_TRUE(holds(0));
+  receive_states({2, 3});
   EXPECT_TRUE(holds(1, 2));
   EXPECT_TRUE(holds(3, 2));
   EXPECT_FALSE(holds(4, 2));
   EXPECT_FALSE(holds(0, 2));
+}
+
+TEST_F(Ledger, does_not_check_a_session_whose_first_message_the_server_may_have_dropped) {
+  receive(online(0));
+  send_states(0, 9);
+  receive_states({0, 2, 3});
+  EXPECT_TRUE(holds(0, 2)) << "the server has evaluated 3 only";
+  receive(online(1));
+  receive_states({4, 6});
+  EXPECT_TRUE(holds(1, 2)) << "the server counts on from here";
+  receive_states({9});
+  EXPECT_TRUE(holds(3, 2));
+  EXPECT_FALSE(holds(2, 2));
 }
 
 TEST_F(Ledger, adds_the_sessions_of_a_vehicle) {
