@@ -25,11 +25,13 @@ constexpr double rests_mps = 0.02;
 bool newer(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) > 0; }
 
 /// The serial number distinguishes nearly all vehicles, and its last character most of those with one of equal length.
+bool differ_at_once(const std::string& serial_number, const std::string& other) {
+  return serial_number.size() != other.size() || (!other.empty() && serial_number.back() != other.back());
+}
+
 bool same(const wire::VehicleId& a, const wire::VehicleId& b) {
-  const std::string& one = a.serial_number;
-  const std::string& other = b.serial_number;
-  if (one.size() != other.size() || (!one.empty() && one.back() != other.back())) return false;
-  return one == other && a.manufacturer == b.manufacturer;
+  if (differ_at_once(a.serial_number, b.serial_number)) return false;
+  return a.serial_number == b.serial_number && a.manufacturer == b.manufacturer;
 }
 
 /// By manufacturer, then by serial number.
@@ -84,8 +86,11 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
 
   age(now);
   const auto by_name = [](const KnownIntent& h) -> const wire::VehicleId& { return h.intent->vehicle; };
-  const auto known =
-      std::ranges::find_if(received_, [&](const KnownIntent& h) { return same(h.intent->vehicle, intent.vehicle); });
+  const auto known = std::ranges::find_if(received_, [&](const KnownIntent& h) {
+    return !differ_at_once(by_name(h).serial_number, intent.vehicle.serial_number) && same(by_name(h), intent.vehicle);
+  });
+  all_until_ = std::min(all_until_, now + model_.memory_span);
+  newest_at_ = std::max(newest_at_, now);
   if (known != received_.end()) {
     if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
     if (leaps(*known, now, intent)) {
@@ -111,8 +116,15 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
 }
 
 void Neighbours::age(SimTime now) {
+  if (now <= all_until_ && now >= newest_at_) return;
   // An intent received later than now is from before the clock was set back.
   std::erase_if(received_, [&](const KnownIntent& h) { return now - h.at > model_.memory_span || h.at > now; });
+  all_until_ = SimTime::max();
+  newest_at_ = SimTime::min();
+  for (const KnownIntent& h : received_) {
+    all_until_ = std::min(all_until_, h.at + model_.memory_span);
+    newest_at_ = std::max(newest_at_, h.at);
+  }
 }
 
 wire::Body Neighbours::body_of(const wire::Intent& intent) const {
@@ -202,6 +214,9 @@ void Neighbours::fold(Digest& digest) const {
   }
 }
 
-void Neighbours::archive(Archive& archive) { archive(received_); }
+void Neighbours::archive(Archive& archive) {
+  archive(received_);
+  if (archive.reads()) all_until_ = SimTime::min();  // the next call of age() looks at each
+}
 
 }  // namespace cosiva::aiv

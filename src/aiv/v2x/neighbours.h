@@ -81,6 +81,9 @@ class Neighbours {
   BodyGap gap_;
   CrossingFinder crossing_finder_;
   std::vector<KnownIntent> received_;  ///< sorted by name
+  /// None of them is too old before `all_until_`, and none was received after `newest_at_`.
+  SimTime all_until_{SimTime::max()};
+  SimTime newest_at_{SimTime::min()};
   std::vector<CrossingSpan> ahead_;
 };
 [[nodiscard]] std::string_view to_string(Neighbours::Verdict verdict);
