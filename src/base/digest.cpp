@@ -3,17 +3,25 @@
 #include <cstring>
 
 namespace cosiva {
+namespace {
+
+/// A word of eight bytes, little-endian on every machine.
+std::uint64_t word_at(const char* bytes) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, bytes, 8);
+  if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+  return word;
+}
+
+}  // namespace
 
 void Digest::add(std::string_view bytes) noexcept {
   add(static_cast<std::uint64_t>(bytes.size()));
-  // Words of eight bytes, little-endian on every machine.
-  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data(), 8);
-    if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
-    add(word);
-  }
+  const bool fills_word = bytes.size() >= 8;
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) add(word_at(bytes.data()));
   if (bytes.empty()) return;
+  // The bytes before the last ones are there to be read, and shifted out.
+  if (fills_word) return add(word_at(bytes.data() + bytes.size() - 8) >> (64U - 8U * bytes.size()));
   std::uint64_t word = 0;
   for (unsigned i = 0; i < bytes.size(); ++i)
     word |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[i])) << (8U * i);

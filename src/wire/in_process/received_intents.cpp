@@ -1,5 +1,6 @@
 #include "cosiva/wire/in_process/received_intents.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -57,7 +58,9 @@ Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {
 
 const V2xTopic* received_v2x_topic(std::string_view topic) {
   static thread_local std::array<KnownTopic, slots> received;
-  KnownTopic& slot = received[slot_of(topic)];
+  // A topic ends with its sender's name.
+  constexpr std::size_t last_bytes = 16;
+  KnownTopic& slot = received[slot_of(topic.substr(topic.size() - std::min(topic.size(), last_bytes)))];
   if (!slot.topic || slot.text != topic) {
     slot.text.assign(topic);
     slot.topic = parse_v2x_topic(topic);
