@@ -210,11 +210,7 @@ bool Network::Client::receives(std::string_view topic) const {
 
 void Network::forget_subscribers(std::string_view filter) {
   // Vehicles change their filters all the time; the subscribers of other topics stay cached.
-  const std::string literal{filter.substr(0, filter.find_first_of("+#"))};
-  auto topic = subscribers_.lower_bound(literal);
-  while (topic != subscribers_.end() && topic->first.starts_with(literal)) {
-    topic = topic_matches(filter, topic->first) ? subscribers_.erase(topic) : std::next(topic);
-  }
+  std::erase_if(subscribers_, [&](const auto& known) { return topic_matches(filter, known.first); });
 }
 
 void Network::schedule(SimTime now, ClientId to, const Publish& message, bool from_retained) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "cosiva/base/random.h"
@@ -151,8 +152,9 @@ class Network {
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;
-  /// The subscribers of a topic, determined once per topic until a client connects or disconnects.
-  std::map<std::string, std::vector<ClientId>> subscribers_;
+  /// The subscribers of a topic, determined once per topic until a client connects or disconnects. Never iterated in an
+  /// order that matters.
+  std::unordered_map<std::string, std::vector<ClientId>> subscribers_;
   std::vector<Queued> queue_;   ///< a heap, earliest first
   std::deque<Delivery> slots_;  ///< a slot stays where it is while others are added
   std::vector<std::size_t> free_slots_;

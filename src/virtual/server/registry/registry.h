@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -76,7 +77,11 @@ class Registry {
   std::string interface_name_;
   std::size_t vehicles_max_;
   std::deque<AivProxy> proxies_;
-  std::map<std::string, Address, std::less<>> topics_;
+  /// Looks texts up as they are, without a copy.
+  struct TextHash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  std::unordered_map<std::string, Address, TextHash, std::equal_to<>> topics_;
   std::map<std::string, VehicleIndex, std::less<>> names_;
   std::set<std::uint32_t> numbers_;  ///< display numbers that are taken
   std::set<VehicleIndex> vacant_;
