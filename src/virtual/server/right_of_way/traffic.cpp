@@ -33,11 +33,13 @@ void Traffic::set_map(const WaypointGraph* map) {
     fresh.priority = vehicle.priority;
     vehicle = std::move(fresh);
   }
+  base_left_.assign(vehicles_.size(), std::nullopt);
   positions_dirty_ = true;
 }
 
 void Traffic::resize(std::size_t vehicles) {
   vehicles_.resize(vehicles);
+  base_left_.resize(vehicles);
   positions_dirty_ = true;
 }
 
@@ -50,12 +52,14 @@ void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPositi
 
 void Traffic::follow(VehicleIndex vehicle, zone::TrackPosition position) {
   Vehicle& self = vehicles_[vehicle];
+  base_left_[vehicle].reset();
   const bool was_on =
       std::exchange(self.on_course, virtual_side::follow(self.course, map_->circuit(), position.section));
   if (was_on != self.on_course) check_again(vehicle);
 }
 
 void Traffic::check_again(VehicleIndex vehicle) {
+  base_left_[vehicle].reset();
   holds_dirty_ = true;
   if (positions_dirty_ || map_ == nullptr) return;
   vehicles_[vehicle].ahead = vehicles_[vehicle].position ? ahead_within(vehicle, -1.0) : Leader{};
@@ -82,6 +86,7 @@ void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
 void Traffic::set_base_passed(VehicleIndex vehicle, bool passed) {
   if (vehicles_[vehicle].base_passed == passed) return;
   vehicles_[vehicle].base_passed = passed;
+  base_left_[vehicle].reset();
   holds_dirty_ = true;
 }
 
@@ -95,6 +100,7 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
 
 void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
+  base_left_[vehicle].reset();
   self.base_m_max = short_base_m;
   if (self.base_end == no_waypoint || !self.position) return;
   const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(),
@@ -105,9 +111,13 @@ void Traffic::measure_base(VehicleIndex vehicle) {
 std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const {
   const Vehicle& self = vehicles_[vehicle];
   if (self.base_end == no_waypoint) return std::nullopt;
-  const Sections remaining =
-      self.course.empty() || self.course.here() != position.section ? Sections{} : this->remaining(vehicle);
-  return map_->base_left(position, self.base_end, self.base_m_max, remaining, self.base_passed);
+  std::optional<BaseLeft>& known = base_left_[vehicle];
+  if (!known || known->position != position) {
+    const Sections remaining =
+        self.course.empty() || self.course.here() != position.section ? Sections{} : this->remaining(vehicle);
+    known = {position, map_->base_left(position, self.base_end, self.base_m_max, remaining, self.base_passed)};
+  }
+  return known->left_m;
 }
 
 Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const {
@@ -121,6 +131,7 @@ void Traffic::forget(VehicleIndex vehicle) {
   set_base_end(vehicle, no_waypoint);
   vehicles_[vehicle].course.clear();
   vehicles_[vehicle].on_course = false;
+  base_left_[vehicle].reset();
   withdraw(vehicle);
 }
 
@@ -369,6 +380,7 @@ void Traffic::fold(Digest& digest) const {
 
 void Traffic::archive(Archive& archive) {
   archive(vehicles_, by_section_, holders_, queue_, convoys_, now_, positions_dirty_, holds_dirty_);
+  if (archive.reads()) base_left_.assign(vehicles_.size(), std::nullopt);
 }
 
 std::size_t sections_of_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position) {

@@ -202,6 +202,11 @@ class Traffic {
     std::vector<CrossingIndex> needs;
     std::int32_t priority{0};
   };
+  /// What base_left_m() found at this position last.
+  struct BaseLeft {
+    zone::TrackPosition position;
+    std::optional<double> left_m;
+  };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
   /// The time that `other`, whose turn is earlier and which waits for a third vehicle, would wait for `mine` in
   /// addition. Nothing: `other` waits for no third vehicle.
@@ -218,6 +223,8 @@ class Traffic {
   TrafficRules rules_;
   const WaypointGraph* map_{};
   std::vector<Vehicle> vehicles_;
+  /// By vehicle, asked for several times in each cycle; nothing where the vehicle's course or base has changed since.
+  mutable std::vector<std::optional<BaseLeft>> base_left_;
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< the vehicles with a position, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
   std::vector<Request> queue_;                                        ///< oldest first
