@@ -72,6 +72,15 @@ NearSections sections_near(const CoursePosition& position, double reach_m) {
 
 }  // namespace
 
+Pose2 CoursePosition::pose() const {
+  const zone::TrackPosition here = track_position();
+  if (here != posed_at_) {
+    pose_ = circuit_.pose_at(here);
+    posed_at_ = here;
+  }
+  return pose_;
+}
+
 void CoursePosition::jump_to(zone::TrackPosition track_position) {
   motion_ = AivMotion{circuit_, track_position};
   if (!course_.arrive(track_position.section)) course_.clear();

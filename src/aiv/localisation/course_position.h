@@ -23,7 +23,7 @@ class CoursePosition {
   [[nodiscard]] const AivMotion& motion() const { return motion_; }
   [[nodiscard]] const zone::Course& course() const { return course_; }
   [[nodiscard]] zone::TrackPosition track_position() const { return motion_.track_position(circuit_); }
-  [[nodiscard]] Pose2 pose() const { return motion_.pose(circuit_); }
+  [[nodiscard]] Pose2 pose() const;
   [[nodiscard]] Outlook outlook() const { return {track_position(), course_.remaining()}; }
 
   /// Jumps; the course stays where it leads over that section.
@@ -64,6 +64,9 @@ class CoursePosition {
   const zone::Circuit& circuit_;
   AivMotion motion_;
   zone::Course course_;
+  /// What pose() gave last, and for which position: it is asked for several times between two steps.
+  mutable zone::TrackPosition posed_at_{zone::no_section, 0.0};
+  mutable Pose2 pose_;
 };
 
 }  // namespace cosiva::aiv
