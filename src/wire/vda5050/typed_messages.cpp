@@ -1,5 +1,7 @@
 #include "cosiva/wire/vda5050/typed_messages.h"
 
+#include <utility>
+
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::wire::vda5050 {
@@ -16,9 +18,11 @@ struct Writer {
 
 }  // namespace
 
-Result<State> state_from(const Input& input) {
-  if (const auto* state = value_as<State>(input.typed)) return *state;
-  return decode_state(input.payload);
+Result<std::shared_ptr<const State>> state_from(const Input& input) {
+  if (const auto* state = value_as<State>(input.typed)) return std::shared_ptr<const State>{input.typed, state};
+  auto state = decode_state(input.payload);
+  if (!state) return tl::unexpected(std::move(state.error()));
+  return std::make_shared<const State>(std::move(*state));
 }
 
 Result<Visualization> visualization_from(const Input& input) {

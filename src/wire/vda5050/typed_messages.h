@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "cosiva/base/result.h"
@@ -10,7 +11,8 @@
 /// from the text.
 namespace cosiva::wire::vda5050 {
 
-[[nodiscard]] Result<State> state_from(const Input& input);
+/// The very object that was passed on, where it was: no receiver may change it.
+[[nodiscard]] Result<std::shared_ptr<const State>> state_from(const Input& input);
 [[nodiscard]] Result<Visualization> visualization_from(const Input& input);
 [[nodiscard]] Result<Order> order_from(const Input& input);
 

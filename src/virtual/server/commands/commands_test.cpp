@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -362,7 +363,7 @@ class FollowedCommands : public testing::Test {
     ++next.header.header_id;
     next.header.timestamp = now + next.header.header_id * 1ms;
     change(next);
-    proxy(vehicle).reported_state.on_state(std::move(next), true);
+    proxy(vehicle).reported_state.on_state(std::make_shared<const wire::State>(std::move(next)), true);
   }
   void report(VehicleIndex vehicle, const std::function<void(wire::State&)>& change) {
     set_state(vehicle, change);

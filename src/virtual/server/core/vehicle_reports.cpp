@@ -153,13 +153,13 @@ void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& i
 void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
   auto message = wire::vda5050::state_from(input);
   if (!message) return checks_.refuse(vehicle, VehicleTopic::state, input, message.error());
-  if (!checks_.take_header(vehicle, VehicleTopic::state, message->header)) return;
+  if (!checks_.take_header(vehicle, VehicleTopic::state, (*message)->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  if (proxy.reported_state.outdated(message->header)) {
+  if (proxy.reported_state.outdated((*message)->header)) {
     proxy.counters.on_outdated();
     return;
   }
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "state", summary_of(*message), input.source,
+  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "state", summary_of(**message), input.source,
                       input.payload);
   const ReportedState::Change change = proxy.reported_state.on_state(std::move(*message), context_.link.up());
   const wire::State& state = *proxy.state();
@@ -169,7 +169,7 @@ void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
   twins_.apply_base_end(vehicle);
   const auto position_stamp = fresh_position_stamp(proxy, state.header);
   if (position_stamp && state.position) on_position(vehicle, *position_stamp, *state.position, state.velocity);
-  master_.orders.on_state(vehicle, change.before ? &*change.before : nullptr);
+  master_.orders.on_state(vehicle, change.before.get());
   master_.actions.on_state(vehicle, state);
   master_.commands.on_state(vehicle);
   if (change.before) record_events(vehicle, change, reported_at);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -32,7 +33,7 @@ AivProxy known(std::string manufacturer) {
   proxy.connection.on_connection(ConnectionState::online, virtual_epoch);
   proxy.factsheet.on_requested();
   proxy.reports.on_report(virtual_epoch, virtual_epoch);
-  proxy.reported_state.on_state(state_at(virtual_epoch), true);
+  proxy.reported_state.on_state(std::make_shared<const wire::State>(state_at(virtual_epoch)), true);
   proxy.position.on_position(virtual_epoch, "yard", here);
   proxy.on_board.on_boards({});
   proxy.counters.on_message();

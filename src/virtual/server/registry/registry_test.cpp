@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -92,7 +93,7 @@ TEST(Registry, offers_for_removal_the_entry_without_a_state_that_sent_nothing_fo
   Registry registry{"uagv"};
   for (const char* serial : {"A1", "A2", "A3", "A4"}) ASSERT_TRUE(registry.add({"Acme", serial}, virtual_epoch));
   registry[0].twin_link.on_present();
-  registry[1].reported_state.on_state({}, true);
+  registry[1].reported_state.on_state(std::make_shared<const wire::State>(), true);
   registry[2].membership.on_message(virtual_epoch + std::chrono::seconds{2});
   registry[3].membership.on_message(virtual_epoch + std::chrono::seconds{1});
   EXPECT_EQ(registry.removable(), VehicleIndex{3});

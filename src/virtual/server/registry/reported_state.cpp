@@ -34,8 +34,8 @@ bool ReportedState::outdated(const wire::Header& header) const {
          (header.timestamp == last.timestamp && header.header_id == last.header_id);
 }
 
-ReportedState::Change ReportedState::on_state(wire::State state, bool link_up) {
-  COSIVA_EXPECT(!outdated(state.header));
+ReportedState::Change ReportedState::on_state(std::shared_ptr<const wire::State> state, bool link_up) {
+  COSIVA_EXPECT(state && !outdated(state->header));
   const std::optional<std::uint32_t> tag_before = last_tag_;
   Change change{std::move(last_), false};
   last_ = std::move(state);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -103,7 +104,7 @@ class OrdersFixture {
     ++next.header.header_id;
     next.header.timestamp = next_stamp();
     change(next);
-    reporting.reported_state.on_state(std::move(next), true);
+    reporting.reported_state.on_state(std::make_shared<const wire::State>(std::move(next)), true);
   }
   /// The vehicle reports its last state with another value of this field.
   template <typename Value>
