@@ -2,11 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
+namespace {
+
+constexpr double rounding_m = 1e-9;
+
+double squared_m2(Point2 a, Point2 b) {
+  const double x_m = a.x_m - b.x_m;
+  const double y_m = a.y_m - b.y_m;
+  return x_m * x_m + y_m * y_m;
+}
+
+}  // namespace
 
 Corridor::Corridor(const zone::TrafficZone& zone, Model model)
     : zone_{zone}, model_{model}, look_ahead_{zone.circuit, model.sample_m, model.reach_m} {
@@ -35,17 +47,23 @@ double Corridor::echo_forward_m(double range_m, const Beam& beam, double spread_
   const double half_m = 0.5 * zone_.vehicle.width_m + model_.margin_m;
   // A point next to the path is at most half a step from a sample's normal.
   const double near_m = norm(half_m, 0.5 * model_.sample_m);
+  std::array<Point2, std::tuple_size_v<Beam>> echo_B;
+  for (std::size_t side = 0; side < beam.size(); ++side)
+    echo_B[side] = {front_m + range_m * beam[side].cos, range_m * beam[side].sin};
+  // Most echoes come from other lanes: what is this far from the centre of the beam is off its sides, too.
+  const double spread_m = near_m + spread_rad * range_m + rounding_m;
+  constexpr PathLookAhead::Offset nowhere{0, std::numeric_limits<double>::infinity()};
+  std::array<PathLookAhead::Offset, std::tuple_size_v<Beam>> nearest{nowhere, nowhere, nowhere};
+  look_ahead_.visit_near(echo_B.front(), spread_m, [&](std::size_t sample, Point2 sample_B) {
+    if (squared_m2(sample_B, echo_B.front()) > spread_m * spread_m) return;
+    for (std::size_t side = 0; side < beam.size(); ++side)
+      if (const double d2_m2 = squared_m2(sample_B, echo_B[side]); d2_m2 < nearest[side].distance2_m2)
+        nearest[side] = {sample, d2_m2};
+  });
   double nearest_m = std::numeric_limits<double>::infinity();
-  // Most echoes come from other lanes: where the centre of the beam is this far off, the sides of the beam are off too.
-  const double spread_m = near_m + spread_rad * range_m;
-  for (std::size_t side = 0; side < beam.size(); ++side) {
-    const auto [sin, cos] = beam[side];
-    const Point2 echo_B{front_m + range_m * cos, range_m * sin};
-    const PathLookAhead::Offset there = look_ahead_.off_path(echo_B, side == 0 ? spread_m : near_m);
-    if (there.distance2_m2 < near_m * near_m)
-      nearest_m = std::min(nearest_m, look_ahead_.along_path_m(echo_B, there.sample) - front_m);
-    if (side == 0 && there.distance2_m2 > spread_m * spread_m) break;
-  }
+  for (std::size_t side = 0; side < beam.size(); ++side)
+    if (nearest[side].distance2_m2 < near_m * near_m)
+      nearest_m = std::min(nearest_m, look_ahead_.along_path_m(echo_B[side], nearest[side].sample) - front_m);
   // An echo next to the body or behind its front is not an obstacle ahead but a contact.
   return std::max(0.0, nearest_m);
 }

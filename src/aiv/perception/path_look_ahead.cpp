@@ -6,14 +6,6 @@
 #include "cosiva/base/expect.h"
 
 namespace cosiva::aiv {
-namespace {
-
-/// Adjacent points are no further apart than a step (and a little, where the path begins or two sections meet), so
-/// every fourth point bounds the distance of the three after it.
-constexpr std::size_t stride = 4;
-
-}  // namespace
-
 PathLookAhead::PathLookAhead(const zone::Circuit& circuit, double sample_m, double reach_m)
     : circuit_{circuit}, sample_m_{sample_m}, reach_m_{reach_m} {
   COSIVA_EXPECT(sample_m > 0.0 && reach_m > sample_m);
@@ -74,10 +66,14 @@ void PathLookAhead::begin() {
   high_B_ = high_B;
 }
 
-double PathLookAhead::skipped_m() const { return 1.25 * static_cast<double>(stride - 1) * sample_m_; }
-
-double PathLookAhead::coarse_distance_m(Point2 p_B) const {
-  double least_m2 = std::numeric_limits<double>::infinity();
+double PathLookAhead::coarse_distance_m(Point2 p_B, double within_m) const {
+  constexpr double infinite_m = std::numeric_limits<double>::infinity();
+  // Most points are echoes of another lane, beyond the box around the path.
+  const double box_m = within_m + skipped_m();
+  if (samples_.empty() || p_B.x_m < low_B_.x_m - box_m || p_B.x_m > high_B_.x_m + box_m ||
+      p_B.y_m < low_B_.y_m - box_m || p_B.y_m > high_B_.y_m + box_m)
+    return infinite_m;
+  double least_m2 = infinite_m;
   const Sample* coarse = samples_.data();
   for (std::size_t k = 0; k < coarse_m2_.size(); ++k, coarse += stride) {
     const double x_m = coarse->p_B.x_m - p_B.x_m;
@@ -90,34 +86,13 @@ double PathLookAhead::coarse_distance_m(Point2 p_B) const {
 
 PathLookAhead::Offset PathLookAhead::off_path(Point2 p_B, double within_m) const {
   Offset nearest{0, std::numeric_limits<double>::infinity()};
-  // Most points are echoes of another lane, beyond the box around the path.
-  const double box_m = within_m + skipped_m();
-  if (samples_.empty() || p_B.x_m < low_B_.x_m - box_m || p_B.x_m > high_B_.x_m + box_m ||
-      p_B.y_m < low_B_.y_m - box_m || p_B.y_m > high_B_.y_m + box_m)
-    return nearest;
-  const double coarse_m = coarse_distance_m(p_B);
+  const double coarse_m = coarse_distance_m(p_B, within_m);
   if (coarse_m - skipped_m() > within_m) return nearest;
-  // Between two coarse points the path is at most `stride` steps long, so that no point of it is nearer than half of
-  // their two distances less half of that length. After the last one there is only its own distance.
-  const double nearest_m_max = std::min(coarse_m, within_m);
-  const double half_block_m = 0.5 * 1.25 * static_cast<double>(stride) * sample_m_;
-  const double far_m2 = (nearest_m_max + half_block_m) * (nearest_m_max + half_block_m);
-  for (std::size_t k = 0; k < coarse_m2_.size(); ++k) {
-    if (k + 1 == coarse_m2_.size()) {
-      if (std::sqrt(coarse_m2_[k]) - skipped_m() > nearest_m_max) continue;
-    } else {
-      // Most often both distances are too large, which needs no square root.
-      if (coarse_m2_[k] > far_m2 && coarse_m2_[k + 1] > far_m2) continue;
-      if (0.5 * (std::sqrt(coarse_m2_[k]) + std::sqrt(coarse_m2_[k + 1])) - half_block_m > nearest_m_max) continue;
-    }
-    const std::size_t end = std::min(stride * (k + 1), samples_.size());
-    for (std::size_t i = stride * k; i < end; ++i) {
-      const Point2 sample_B = at(i);
-      const double x_m = sample_B.x_m - p_B.x_m;
-      const double y_m = sample_B.y_m - p_B.y_m;
-      if (const double d2_m2 = x_m * x_m + y_m * y_m; d2_m2 < nearest.distance2_m2) nearest = {i, d2_m2};
-    }
-  }
+  visit_blocks(std::min(coarse_m, within_m), [&](std::size_t i, Point2 sample_B) {
+    const double x_m = sample_B.x_m - p_B.x_m;
+    const double y_m = sample_B.y_m - p_B.y_m;
+    if (const double d2_m2 = x_m * x_m + y_m * y_m; d2_m2 < nearest.distance2_m2) nearest = {i, d2_m2};
+  });
   return nearest;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -35,6 +37,12 @@ class PathLookAhead {
   };
   /// @param within_m  of interest: beyond it the distance may be given as infinite, which is found out sooner
   [[nodiscard]] Offset off_path(Point2 p_B, double within_m = std::numeric_limits<double>::infinity()) const;
+  /// Calls `visit(sample, point)` for the points of the path that can be within this distance of p, in order, and for
+  /// some others.
+  template <typename Visit>
+  void visit_near(Point2 p_B, double within_m, Visit visit) const {
+    if (coarse_distance_m(p_B, within_m) - skipped_m() <= within_m) visit_blocks(within_m, visit);
+  }
   /// From the body origin along the path to the point next to p, near the sample; negative behind the body origin.
   [[nodiscard]] double along_path_m(Point2 p_B, std::size_t sample) const;
 
@@ -53,10 +61,17 @@ class PathLookAhead {
   void compute(std::size_t sample) const;
   /// Computes every coarse sample, and the box around them.
   void begin();
+  /// Adjacent points are no further apart than a step (and a little, where the path begins or two sections meet), so
+  /// every fourth point bounds the distance of the three after it.
+  static constexpr std::size_t stride = 4;
   /// The squared distances of all coarse samples from a point, to coarse_m2_, and the least distance: no sample is
-  /// nearer than that by more than `skipped_m()`.
-  [[nodiscard]] double coarse_distance_m(Point2 p_B) const;
-  [[nodiscard]] double skipped_m() const;
+  /// nearer than that by more than `skipped_m()`. Infinite, without coarse_m2_, for a point that lies further than
+  /// `within_m` from all samples at first sight.
+  [[nodiscard]] double coarse_distance_m(Point2 p_B, double within_m) const;
+  [[nodiscard]] double skipped_m() const { return 1.25 * static_cast<double>(stride - 1) * sample_m_; }
+  /// Visits the samples of each block of `stride` samples that coarse_m2_ permits to be within this distance.
+  template <typename Visit>
+  void visit_blocks(double within_m, Visit visit) const;
 
   const zone::Circuit& circuit_;
   double sample_m_;
@@ -68,5 +83,24 @@ class PathLookAhead {
   Point2 low_B_{};                         ///< the box around the coarse samples
   Point2 high_B_{};
 };
+
+template <typename Visit>
+void PathLookAhead::visit_blocks(double within_m, Visit visit) const {
+  // Between two coarse points the path is at most `stride` steps long, so that no point of it is nearer than half of
+  // their two distances less half of that length. After the last one there is only its own distance.
+  const double half_block_m = 0.5 * 1.25 * static_cast<double>(stride) * sample_m_;
+  const double far_m2 = (within_m + half_block_m) * (within_m + half_block_m);
+  for (std::size_t k = 0; k < coarse_m2_.size(); ++k) {
+    if (k + 1 == coarse_m2_.size()) {
+      if (std::sqrt(coarse_m2_[k]) - skipped_m() > within_m) continue;
+    } else {
+      // Most often both distances are too large, which needs no square root.
+      if (coarse_m2_[k] > far_m2 && coarse_m2_[k + 1] > far_m2) continue;
+      if (0.5 * (std::sqrt(coarse_m2_[k]) + std::sqrt(coarse_m2_[k + 1])) - half_block_m > within_m) continue;
+    }
+    const std::size_t end = std::min(stride * (k + 1), samples_.size());
+    for (std::size_t i = stride * k; i < end; ++i) visit(i, at(i));
+  }
+}
 
 }  // namespace cosiva::aiv
