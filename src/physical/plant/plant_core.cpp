@@ -311,6 +311,7 @@ void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   // The vehicles' readers use this very floor; from the next tick on they find the new tags.
   if (news.same_geometry) {
     floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
+    for (Vehicle& vehicle : vehicles) vehicle.on_tags_changed();
     return;
   }
   floor = std::make_shared<Floor>(news.zone, options.noise.tag_range_m);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "cosiva/base/expect.h"
 
@@ -72,10 +74,26 @@ std::span<const TagMap::Entry> TagMap::between(zone::SectionId section, double f
   return {first, last};
 }
 
+TagMap::Stretch TagMap::free_around(zone::TrackPosition position) const {
+  constexpr double endless_m = std::numeric_limits<double>::infinity();
+  const auto& entries = by_section_[position.section];
+  const auto after = std::ranges::lower_bound(entries, position.s_m, {}, &Entry::s_m);
+  const double from_m = after == entries.begin() ? -endless_m : std::prev(after)->s_m;
+  return {position.section, from_m, after == entries.end() ? endless_m : after->s_m};
+}
+
 void TagReader::move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to,
                      std::vector<Reading>& readings) {
   const double reach_m = map_->reach_m();
   const double window_m = reach_m + off_line_m + distance(from, to);
+  const auto is_free = [&] {
+    return free_.section == track_position.section && free_.from_m < track_position.s_m - window_m &&
+           free_.to_m > track_position.s_m + window_m;
+  };
+  if (in_field_.empty()) {
+    if (!is_free()) free_ = map_->free_around(track_position);
+    if (is_free()) return;
+  }
   for (const TagMap::Entry& entry :
        map_->between(track_position.section, track_position.s_m - window_m, track_position.s_m + window_m)) {
     if (distance_to_path(entry.position, from, to) > reach_m) continue;

@@ -25,6 +25,14 @@ class TagMap {
 
   /// Those of a section whose nearest positions lie in [from, to].
   [[nodiscard]] std::span<const Entry> between(zone::SectionId section, double from_m, double to_m) const;
+  /// A part of a section, without its ends.
+  struct Stretch {
+    zone::SectionId section{zone::no_section};
+    double from_m{};
+    double to_m{};
+  };
+  /// The longest stretch before, around or after a position that has no entry; at an entry, the one before it.
+  [[nodiscard]] Stretch free_around(zone::TrackPosition position) const;
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
@@ -43,7 +51,8 @@ struct TagReaderNoise {
 };
 
 /// PRAV's RFID module: reads each tag once per passing, when the tag enters the field of the antenna under the body's
-/// centre; ready for the same tag again when the tag has left the field. Invariant: a tag in the field counts once.
+/// centre; ready for the same tag again when the tag has left the field. Invariant: a tag in the field counts once, and
+/// no tag of the map lies within `free_`.
 class TagReader {
  public:
   struct Reading {
@@ -58,8 +67,11 @@ class TagReader {
   /// @param map  must outlive this
   void set_zone(const TagMap& map) {
     map_ = &map;
+    free_ = {};
     in_field_.clear();
   }
+  /// The map has other tags than before.
+  void on_tags_changed() { free_ = {}; }
   /// The antenna moved from `from` to `to`, which lies next to `place`. Appends the tags read.
   void move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings);
 
@@ -74,6 +86,7 @@ class TagReader {
   TagReaderNoise noise_;
   Random random_;
   std::vector<InField> in_field_;
+  TagMap::Stretch free_;  ///< of tags, around an earlier position: nothing is searched for there
 };
 
 }  // namespace cosiva::physical

@@ -110,6 +110,29 @@ TEST(TagReader, misses_the_configured_ratio_of_passings) {
   EXPECT_NEAR(read, 3600, 76);
 }
 
+TEST(TagReader, finds_a_tag_that_is_put_where_it_has_found_none) {
+  const auto rtm = one_tag();
+  TagMap map{rtm.zone(), 0.0};  // without a field no tag is found
+  TagReader reader{map, perfect, Random{1, "tags"}};
+  EXPECT_THAT(ride(reader, 1.9, 1.95, 0.001), IsEmpty());
+  map = TagMap{rtm.zone(), 0.02};
+  reader.on_tags_changed();
+  EXPECT_THAT(ride(reader, 1.95, 2.05, 0.001), SizeIs(1));
+}
+
+TEST(TagMap, gives_the_stretch_between_two_tags) {
+  const auto rtm = one_tag();
+  const TagMap map{rtm.zone(), 0.02};
+  const TagMap::Stretch before = map.free_around({0, 1.0});
+  EXPECT_EQ(before.section, 0U);
+  EXPECT_LT(before.from_m, 0.0);
+  EXPECT_NEAR(before.to_m, 2.0, 1e-9);
+  const TagMap::Stretch after = map.free_around({0, 3.0});
+  EXPECT_NEAR(after.from_m, 2.0, 1e-9);
+  EXPECT_GT(after.to_m, 4.0);
+  EXPECT_NEAR(map.free_around({0, before.to_m}).to_m, 2.0, 1e-9) << "the one before it";
+}
+
 TEST(TagMap, knows_a_tag_from_every_section_that_passes_it) {
   const auto rtm = zone::Rtm::initialise(lacet4_with_beacons_every(0.07));
   ASSERT_TRUE(rtm);

@@ -41,6 +41,8 @@ class Vehicle {
   void await_floor() { awaits_floor_ = true; }
   /// Puts the vehicle on another floor, the body unchanged. Only while it is stopped.
   void set_zone(std::shared_ptr<const Floor> floor);
+  /// The floor has other tags than before.
+  void on_tags_changed() { tag_reader_.on_tags_changed(); }
   [[nodiscard]] bool wants_scan(SimTime now) const { return boards_.wants_scan(now); }
   /// Lets the boards send. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);

@@ -101,10 +101,13 @@ void VehicleBoards::speak_bytes(SimTime now, const WheelReadings& wheels, const 
 
 void VehicleBoards::speak_values(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
                                  wire::Effects& effects) {
-  pils_.tick(now, wheels, *batch_);
-  prav_.tick(now, *batch_);
-  tick_dobs(now, scan, *batch_);
-  rali_.tick(now, power, *batch_);
+  // After a connection or a request, and else only the boards whose time has come: most often one.
+  const bool all = next_event_ == SimTime::min();
+  const auto is_due = [&](const auto& board) { return all || board.next_due() <= now; };
+  if (is_due(pils_)) pils_.tick(now, wheels, *batch_);
+  if (is_due(prav_)) prav_.tick(now, *batch_);
+  if (is_due(dobs_)) tick_dobs(now, scan, *batch_);
+  if (is_due(rali_)) rali_.tick(now, power, *batch_);
   batch_->flush(port(wire::Board::PILS), effects);
 }
 
