@@ -38,6 +38,7 @@ bool RouteFollower::may_extend(VehicleIndex vehicle) const {
 std::optional<BaseExtension> RouteFollower::extend(VehicleIndex vehicle) {
   base_.clear();
   horizon_.clear();
+  leads_on_.reset();
   const bool is_new = !sessions_[vehicle].is_running();
   const auto from = is_new ? first_node(vehicle) : end_of_base(vehicle);
   if (!from) return std::nullopt;
@@ -109,8 +110,9 @@ void RouteFollower::keep_off_path(VehicleIndex vehicle) {
 bool RouteFollower::leads_too_far(VehicleIndex vehicle) {
   // The vehicle no longer follows the announced horizon; a vehicle with a horizon does not count as arrived.
   const OrderSession& session = sessions_[vehicle];
-  return session.is_running() && session.has_horizon() &&
-         planner_.next_stretch(vehicle, session.base_end(), 0) == nullptr;
+  if (!session.is_running() || !session.has_horizon()) return false;
+  if (!leads_on_) leads_on_ = planner_.next_stretch(vehicle, session.base_end(), 0) != nullptr;
+  return !*leads_on_;
 }
 
 bool RouteFollower::comes_again(VehicleIndex vehicle, const Start& from, std::size_t passed,
@@ -145,6 +147,7 @@ void RouteFollower::extend_from(VehicleIndex vehicle, const Start& from) {
   const BaseReach reach{context_.registry[vehicle], context_.map->zone(), context_.rules, context_.publisher.now()};
   while (base_.size() < context_.rules.base_nodes_max && (reach_m < reach.wanted_m() || reach_m < must_reach_m)) {
     const WaypointGraph::Stretch* stretch = planner_.next_stretch(vehicle, at, passed);
+    if (!leads_on_) leads_on_ = stretch != nullptr;
     if (stretch == nullptr) break;
     if (comes_again(vehicle, from, passed, *stretch)) break;
     const double next_m = reach_m + stretch->length_m;

@@ -25,7 +25,8 @@ void WaitGraph::add(const Wait& wait) {
 
 void WaitGraph::sort_waits() {
   const auto key = [](const Wait& w) { return std::tuple(w.waiter, w.blocker, w.why, w.crossing); };
-  std::ranges::sort(waits_, {}, key);
+  // They are added vehicle by vehicle.
+  if (!std::ranges::is_sorted(waits_, {}, key)) std::ranges::sort(waits_, {}, key);
   first_.assign(count_ + 1, 0);
   for (const Wait& wait : waits_) ++first_[wait.waiter + 1];
   for (std::size_t i = 0; i < count_; ++i) first_[i + 1] += first_[i];
