@@ -16,29 +16,30 @@ constexpr SimDuration usual_cycle = std::chrono::milliseconds{20};
 
 void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, wire::Effects& effects) {
   StateReporter& reporter = parts_.reporter;
-  const auto order = wire::vda5050::order_from(input);
-  if (!order) return reporter.refuse("validationError", "order", to_string(order.error()), {}, effects);
+  const auto received = wire::vda5050::order_from(input);
+  if (!received) return reporter.refuse("validationError", "order", to_string(received.error()), {}, effects);
+  const wire::Order& order = **received;
   std::vector<wire::Reference> references{{"topic", "order"},
-                                          {"headerId", std::to_string(order->header.header_id)},
-                                          {"orderId", order->order_id},
-                                          {"orderUpdateId", std::to_string(order->order_update_id)}};
+                                          {"headerId", std::to_string(order.header.header_id)},
+                                          {"orderId", order.order_id},
+                                          {"orderUpdateId", std::to_string(order.order_update_id)}};
   const auto refuse = [&](std::string type, std::string why) {
     reporter.refuse(std::move(type), "order", std::move(why), std::move(references), effects);
   };
-  if (auto accepted = parts_.session.accepts(order->header); !accepted)
+  if (auto accepted = parts_.session.accepts(order.header); !accepted)
     return refuse("validationError", to_string(accepted.error()));
   if (context == nullptr) return refuse("noRouteError", "no zone is known yet");
   VehicleState& vehicle = context->vehicle();
-  const bool repeated = order->order_id == vehicle.order().ids().order_id &&
-                        order->order_update_id == vehicle.order().ids().order_update_id;
+  const bool repeated = order.order_id == vehicle.order().ids().order_id &&
+                        order.order_update_id == vehicle.order().ids().order_update_id;
   if (const auto& pending = parts_.zones.pending(); pending && !repeated)
     return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
-  const auto verdict = vehicle.take_order(*order);
+  const auto verdict = vehicle.take_order(order);
   reporter.request_report();  // the state's orderUpdateId is the only
                               // acknowledgement, also of a repetition
   if (!verdict) return refuse(verdict.error().code, to_string(verdict.error()));
-  accept(*order, *verdict, input.at, *context, effects);
+  accept(order, *verdict, input.at, *context, effects);
 }
 
 void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict, SimTime now, DrivingContext& context,

@@ -16,24 +16,21 @@ struct Writer {
   std::string operator()(const BoardsReport& message) const { return to_json(message); }
 };
 
+template <typename Message>
+Result<std::shared_ptr<const Message>> passed_or(const Input& input, Result<Message> (*decode)(std::string_view)) {
+  if (const auto* message = value_as<Message>(input.typed)) return std::shared_ptr<const Message>{input.typed, message};
+  auto message = decode(input.payload);
+  if (!message) return tl::unexpected(std::move(message.error()));
+  return std::make_shared<const Message>(std::move(*message));
+}
+
 }  // namespace
 
-Result<std::shared_ptr<const State>> state_from(const Input& input) {
-  if (const auto* state = value_as<State>(input.typed)) return std::shared_ptr<const State>{input.typed, state};
-  auto state = decode_state(input.payload);
-  if (!state) return tl::unexpected(std::move(state.error()));
-  return std::make_shared<const State>(std::move(*state));
+Result<std::shared_ptr<const State>> state_from(const Input& input) { return passed_or(input, decode_state); }
+Result<std::shared_ptr<const Visualization>> visualization_from(const Input& input) {
+  return passed_or(input, decode_visualization);
 }
-
-Result<Visualization> visualization_from(const Input& input) {
-  if (const auto* visualization = value_as<Visualization>(input.typed)) return *visualization;
-  return decode_visualization(input.payload);
-}
-
-Result<Order> order_from(const Input& input) {
-  if (const auto* order = value_as<Order>(input.typed)) return *order;
-  return decode_order(input.payload);
-}
+Result<std::shared_ptr<const Order>> order_from(const Input& input) { return passed_or(input, decode_order); }
 
 std::string text_of(const InProcessMessage& message) {
   return std::visit(Writer{}, dynamic_cast<const TypedMessage&>(message).message);

@@ -11,10 +11,10 @@
 /// from the text.
 namespace cosiva::wire::vda5050 {
 
-/// The very object that was passed on, where it was: no receiver may change it.
+// The very object that was passed on, where it was: every receiver has the same.
 [[nodiscard]] Result<std::shared_ptr<const State>> state_from(const Input& input);
-[[nodiscard]] Result<Visualization> visualization_from(const Input& input);
-[[nodiscard]] Result<Order> order_from(const Input& input);
+[[nodiscard]] Result<std::shared_ptr<const Visualization>> visualization_from(const Input& input);
+[[nodiscard]] Result<std::shared_ptr<const Order>> order_from(const Input& input);
 
 /// The text that would have been sent, for CoSiVA's own messages as well.
 [[nodiscard]] std::string text_of(const InProcessMessage& message);

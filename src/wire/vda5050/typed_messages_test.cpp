@@ -27,6 +27,18 @@ void expect_received_as_read(const std::shared_ptr<const TypedMessage>& passed,
   EXPECT_EQ(text_of(*typed(Message{*as_text})), text_of(*passed));
 }
 
+/// Of a reader that gives the message that was passed on, not a copy.
+template <typename Message>
+void expect_passed_and_as_read(const std::shared_ptr<const TypedMessage>& passed,
+                               Result<std::shared_ptr<const Message>> (*read)(const Input&)) {
+  const auto as_values = read(input_of(passed));
+  const auto as_text = read(input_of(text_of(*passed)));
+  ASSERT_TRUE(as_values && as_text) << to_string(as_text.error());
+  EXPECT_EQ(as_values->get(), value_as<Message>(passed));
+  EXPECT_EQ(**as_values, **as_text);
+  EXPECT_EQ(text_of(*typed(Message{**as_text})), text_of(*passed));
+}
+
 DetectedObstacleReport detected() {
   DetectedObstacleReport message{7, virtual_epoch + within_a_millisecond, "lacet4",
                                  DetectedObstacleReport::Obstacle{0.1, -2.0 / 3.0, 0.03, 0.4}, 0.37};
@@ -63,13 +75,13 @@ TEST(TypedMessage, states_orders_and_visualizations_are_received_as_read_from_th
     Random random{seed, "said"};
     State state = sample::state(random);
     state.header.timestamp += within_a_millisecond;
-    expect_received_as_read<State>(typed(std::move(state)), state_from);
+    expect_passed_and_as_read<State>(typed(std::move(state)), state_from);
     Order order = sample::order(random);
     order.header.timestamp += within_a_millisecond;
-    expect_received_as_read<Order>(typed(std::move(order)), order_from);
+    expect_passed_and_as_read<Order>(typed(std::move(order)), order_from);
     Visualization visualization = sample::visualization(random);
     visualization.header.timestamp += within_a_millisecond;
-    expect_received_as_read<Visualization>(typed(std::move(visualization)), visualization_from);
+    expect_passed_and_as_read<Visualization>(typed(std::move(visualization)), visualization_from);
     RC_ASSERT(!::testing::Test::HasFailure());
   }));
 }

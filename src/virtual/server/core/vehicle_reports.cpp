@@ -136,16 +136,17 @@ void VehicleReports::on_factsheet(VehicleIndex vehicle, const wire::Input& input
 }
 
 void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& input) {
-  const auto message = wire::vda5050::visualization_from(input);
-  if (!message) return checks_.refuse(vehicle, VehicleTopic::visualization, input, message.error());
-  if (!checks_.take_header(vehicle, VehicleTopic::visualization, message->header)) return;
+  const auto received = wire::vda5050::visualization_from(input);
+  if (!received) return checks_.refuse(vehicle, VehicleTopic::visualization, input, received.error());
+  const wire::Visualization& message = **received;
+  if (!checks_.take_header(vehicle, VehicleTopic::visualization, message.header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  if (message->position)
-    context_.traces.add_position(context_.now, proxy.name(), "AIV_Server", "visualization", message->position->pose,
-                                 message->velocity ? message->velocity->vx_mps : 0.0, input.source, input.payload);
-  if (const auto stamp = fresh_position_stamp(proxy, message->header)) {
+  if (message.position)
+    context_.traces.add_position(context_.now, proxy.name(), "AIV_Server", "visualization", message.position->pose,
+                                 message.velocity ? message.velocity->vx_mps : 0.0, input.source, input.payload);
+  if (const auto stamp = fresh_position_stamp(proxy, message.header)) {
     on_report(vehicle, checks_.server_time(proxy, *stamp));
-    if (message->position) on_position(vehicle, *stamp, *message->position, message->velocity);
+    if (message.position) on_position(vehicle, *stamp, *message.position, message.velocity);
   }
   master_.commands.on_state(vehicle);
 }
