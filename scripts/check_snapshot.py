@@ -25,6 +25,7 @@ EXCEPTIONS = {
     "BoardsLink": {"batch_": "scratch"},
     "ControlAreas": {"own_": "constant"},
     "Convoys": {"chain_": "scratch"},
+    "CoursePosition": {"pose_": "derived"},
     "Deadlocks": {"rules_": "constant"},
     "DistanceCounter": {"step_m_max_": "constant"},
     "DrivingContext": {"crossings_": "constant"},
@@ -33,7 +34,7 @@ EXCEPTIONS = {
     "Missions": {"map_": "derived", "router_": "derived"},
     "Neighbours": {
         "self_": "constant", "model_": "constant", "speed_mps_max_": "constant", "gap_": "scratch",
-        "crossing_finder_": "constant", "ahead_": "scratch",
+        "crossing_finder_": "constant", "ahead_": "scratch", "newest_at_": "derived",
     },
     "ObstacleWatch": {"one_way_": "constant", "corridor_": "scratch", "sweep_": "scratch"},
     "OffPathEstimator": {"landed_m_": "constant", "landed_rad_": "constant"},

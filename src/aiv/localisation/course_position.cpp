@@ -224,6 +224,9 @@ std::optional<CoursePosition::Foot> CoursePosition::foot_of(Point2 fiducial, dou
   return best;
 }
 
-void CoursePosition::archive(Archive& archive) { archive(motion_, course_); }
+void CoursePosition::archive(Archive& archive) {
+  archive(motion_, course_);
+  if (archive.reads()) posed_at_ = {zone::no_section, 0.0};
+}
 
 }  // namespace cosiva::aiv

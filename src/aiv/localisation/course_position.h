@@ -64,7 +64,7 @@ class CoursePosition {
   const zone::Circuit& circuit_;
   AivMotion motion_;
   zone::Course course_;
-  /// What pose() gave last, and for which position: it is asked for several times between two steps.
+  /// What pose() gave last, and for which position: several parts need it between two steps.
   mutable zone::TrackPosition posed_at_{zone::no_section, 0.0};
   mutable Pose2 pose_;
 };

@@ -66,7 +66,7 @@ class PathLookAhead {
   static constexpr std::size_t stride = 4;
   /// The squared distances of all coarse samples from a point, to coarse_m2_, and the least distance: no sample is
   /// nearer than that by more than `skipped_m()`. Infinite, without coarse_m2_, for a point that lies further than
-  /// `within_m` from all samples at first sight.
+  /// `within_m` from the box around the samples.
   [[nodiscard]] double coarse_distance_m(Point2 p_B, double within_m) const;
   [[nodiscard]] double skipped_m() const { return 1.25 * static_cast<double>(stride - 1) * sample_m_; }
   /// Visits the samples of each block of `stride` samples that coarse_m2_ permits to be within this distance.

@@ -89,7 +89,7 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
   const auto known = std::ranges::find_if(received_, [&](const KnownIntent& h) {
     return !differ_at_once(by_name(h).serial_number, intent.vehicle.serial_number) && same(by_name(h), intent.vehicle);
   });
-  all_until_ = std::min(all_until_, now + model_.memory_span);
+  oldest_at_ = std::min(oldest_at_, now);
   newest_at_ = std::max(newest_at_, now);
   if (known != received_.end()) {
     if (!newer(intent.header_id, known->intent->header_id)) return Verdict::old;
@@ -116,13 +116,14 @@ Neighbours::Verdict Neighbours::receive(SimTime now, const wire::V2xTopic& topic
 }
 
 void Neighbours::age(SimTime now) {
-  if (now <= all_until_ && now >= newest_at_) return;
+  const SimTime since = now - model_.memory_span;
+  if (oldest_at_ >= since && newest_at_ <= now) return;
   // An intent received later than now is from before the clock was set back.
-  std::erase_if(received_, [&](const KnownIntent& h) { return now - h.at > model_.memory_span || h.at > now; });
-  all_until_ = SimTime::max();
+  std::erase_if(received_, [&](const KnownIntent& h) { return h.at < since || h.at > now; });
+  oldest_at_ = SimTime::max();
   newest_at_ = SimTime::min();
   for (const KnownIntent& h : received_) {
-    all_until_ = std::min(all_until_, h.at + model_.memory_span);
+    oldest_at_ = std::min(oldest_at_, h.at);
     newest_at_ = std::max(newest_at_, h.at);
   }
 }
@@ -216,7 +217,7 @@ void Neighbours::fold(Digest& digest) const {
 
 void Neighbours::archive(Archive& archive) {
   archive(received_);
-  if (archive.reads()) all_until_ = SimTime::min();  // the next call of age() looks at each
+  if (archive.reads()) oldest_at_ = SimTime::min();  // the next call of age() finds them
 }
 
 }  // namespace cosiva::aiv

@@ -81,8 +81,8 @@ class Neighbours {
   BodyGap gap_;
   CrossingFinder crossing_finder_;
   std::vector<KnownIntent> received_;  ///< sorted by name
-  /// None of them is too old before `all_until_`, and none was received after `newest_at_`.
-  SimTime all_until_{SimTime::max()};
+  /// None of them was received before `oldest_at_` or after `newest_at_`.
+  SimTime oldest_at_{SimTime::max()};
   SimTime newest_at_{SimTime::min()};
   std::vector<CrossingSpan> ahead_;
 };

@@ -55,6 +55,7 @@ Network::ClientId Network::connect(SimTime now, std::vector<std::string> filters
   const auto id = static_cast<ClientId>(clients_.size());
   clients_.push_back({true, std::move(filters), {}, std::move(will), now, now, now, 0.0, now, {}, {}, {}});
   subscribers_.clear();
+  known_topics_.clear();
   for (const auto& [topic, message] : retained_) {
     if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, true);
   }
@@ -70,11 +71,11 @@ void Network::listen(SimTime now, ClientId id, std::vector<std::string> filters)
   };
   std::vector<std::string> news;
   std::ranges::copy_if(filters, std::back_inserter(news), fresh);
-  for (const std::string& filter : client.listens) {
-    if (std::ranges::find(filters, filter) == filters.end()) forget_subscribers(filter);
-  }
-  for (const std::string& filter : news) forget_subscribers(filter);
+  std::vector<std::string> changed = news;
+  std::ranges::copy_if(client.listens, std::back_inserter(changed),
+                       [&](const std::string& filter) { return std::ranges::find(filters, filter) == filters.end(); });
   client.listens = std::move(filters);
+  for (const std::string& filter : changed) update_subscribers(id, filter);
   if (news.empty()) return;
   for (const auto& [topic, message] : retained_) {
     if (matches_any(news, topic)) schedule(now, id, message, true);
@@ -87,6 +88,7 @@ void Network::disconnect(SimTime /*now*/, ClientId client) {
   clients_[client].will.reset();
   std::erase_if(sending_, [&](const Sending& sending) { return sending.from == client; });
   subscribers_.clear();
+  known_topics_.clear();
 }
 
 void Network::break_connection(SimTime now, ClientId client) {
@@ -196,7 +198,11 @@ void Network::route(SimTime now, const Publish& message) {
 
 const std::vector<Network::ClientId>& Network::subscribers(const std::string& topic) {
   if (const auto known = subscribers_.find(topic); known != subscribers_.end()) return known->second;
-  if (subscribers_.size() >= cached_topics_max) subscribers_.clear();
+  if (subscribers_.size() >= cached_topics_max) {
+    subscribers_.clear();
+    known_topics_.clear();
+  }
+  known_topics_.insert(topic);
   std::vector<ClientId>& ids = subscribers_[topic];
   for (ClientId id = 0; id < clients_.size(); ++id) {
     if (clients_[id].connected && clients_[id].receives(topic)) ids.push_back(id);
@@ -208,9 +214,21 @@ bool Network::Client::receives(std::string_view topic) const {
   return matches_any(filters, topic) || matches_any(listens, topic);
 }
 
-void Network::forget_subscribers(std::string_view filter) {
-  // Vehicles change their filters all the time; the subscribers of other topics stay cached.
-  std::erase_if(subscribers_, [&](const auto& known) { return topic_matches(filter, known.first); });
+void Network::update_subscribers(ClientId id, std::string_view filter) {
+  // Vehicles change their filters all the time; the entries of other topics and other clients stay.
+  const std::string literal{filter.substr(0, filter.find_first_of("+#"))};
+  for (auto topic = known_topics_.lower_bound(literal); topic != known_topics_.end() && topic->starts_with(literal);
+       ++topic) {
+    if (!topic_matches(filter, *topic)) continue;
+    std::vector<ClientId>& ids = subscribers_.find(*topic)->second;
+    const auto at = std::ranges::lower_bound(ids, id);
+    const bool listed = at != ids.end() && *at == id;
+    if (clients_[id].receives(*topic) == listed) continue;
+    if (listed)
+      ids.erase(at);
+    else
+      ids.insert(at, id);
+  }
 }
 
 void Network::schedule(SimTime now, ClientId to, const Publish& message, bool from_retained) {

@@ -6,11 +6,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "cosiva/base/random.h"
+#include "cosiva/base/text_hash.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -140,7 +141,8 @@ class Network {
   void send_later(SimTime at, ClientId from, const Publish& message);
   void route_due(SimTime now);
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
-  void forget_subscribers(std::string_view filter);
+  /// The client's filters have changed by this one: its entry in the lists of the topics that match it.
+  void update_subscribers(ClientId client, std::string_view filter);
   void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
   /// Whether a partition keeps the message from its receiver, now or for good.
   [[nodiscard]] bool held_back(SimTime now, ClientId to, const Publish& message, bool from_retained);
@@ -152,11 +154,11 @@ class Network {
   NetworkFaults faults_;
   std::vector<Client> clients_;
   std::map<std::string, Publish> retained_;
-  /// The subscribers of a topic, determined once per topic until a client connects or disconnects. Never iterated in an
-  /// order that matters.
-  std::unordered_map<std::string, std::vector<ClientId>> subscribers_;
-  std::vector<Queued> queue_;   ///< a heap, earliest first
-  std::deque<Delivery> slots_;  ///< a slot stays where it is while others are added
+  /// The subscribers of a topic, in ascending order, determined once per topic until a client connects or disconnects.
+  TextTable<std::vector<ClientId>> subscribers_;
+  std::set<std::string> known_topics_;  ///< those of subscribers_, to find the ones with a common beginning
+  std::vector<Queued> queue_;           ///< a heap, earliest first
+  std::deque<Delivery> slots_;          ///< a slot stays where it is while others are added
   std::vector<std::size_t> free_slots_;
   std::vector<std::size_t> due_;  ///< being delivered
   std::vector<Sending> sending_;  ///< by time, equal ones in the order in which they were sent

@@ -72,7 +72,8 @@ class RouteFollower {
   Yielding& yielding_;
   std::vector<const WaypointGraph::Stretch*> base_;     ///< of the vehicle being processed
   std::vector<const WaypointGraph::Stretch*> horizon_;  ///< of the vehicle being processed
-  /// Whether the course of the vehicle being processed leads on from where it began to be extended; nothing: not asked.
+  /// Whether the course of the vehicle being processed leads on from where it began to be extended; nothing: not known
+  /// yet.
   std::optional<bool> leads_on_;
 };
 

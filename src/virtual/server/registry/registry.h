@@ -9,11 +9,11 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
+#include "cosiva/base/text_hash.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/registry/proxy.h"
 #include "cosiva/virtual/server/registry/vehicle_topic.h"
@@ -77,11 +77,7 @@ class Registry {
   std::string interface_name_;
   std::size_t vehicles_max_;
   std::deque<AivProxy> proxies_;
-  /// Looks texts up as they are, without a copy.
-  struct TextHash : std::hash<std::string_view> {
-    using is_transparent = void;
-  };
-  std::unordered_map<std::string, Address, TextHash, std::equal_to<>> topics_;
+  TextTable<Address> topics_;
   std::map<std::string, VehicleIndex, std::less<>> names_;
   std::set<std::uint32_t> numbers_;  ///< display numbers that are taken
   std::set<VehicleIndex> vacant_;

@@ -72,7 +72,10 @@ void ReportedState::read_tag() {
 }
 
 void ReportedState::archive(Archive& archive) {
-  archive(last_, since_link_, in_session_, imposed_, last_tag_, since_tag_m_);
+  std::optional<wire::State> last;
+  if (last_) last = *last_;
+  archive(last, since_link_, in_session_, imposed_, last_tag_, since_tag_m_);
+  if (archive.reads()) last_ = last ? std::make_shared<const wire::State>(std::move(*last)) : nullptr;
 }
 
 }  // namespace cosiva::virtual_side

@@ -223,7 +223,7 @@ class Traffic {
   TrafficRules rules_;
   const WaypointGraph* map_{};
   std::vector<Vehicle> vehicles_;
-  /// By vehicle, asked for several times in each cycle; nothing where the vehicle's course or base has changed since.
+  /// By vehicle, needed several times in each cycle; nothing where the vehicle's course or base has changed since.
   mutable std::vector<std::optional<BaseLeft>> base_left_;
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< the vehicles with a position, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
