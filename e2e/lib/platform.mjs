@@ -119,12 +119,12 @@ export async function cosiva_json(args, options) {
   return JSON.parse(result.stdout);
 }
 
-/** A long-running `cosiva` (up, server, plant, aiv …) or any other program. */
 /** The environment; what a program keeps beyond its run is in its folder, not the user's. */
 function own_state(cwd) {
   return cwd ? { ...process.env, XDG_STATE_HOME: path.join(cwd, 'state') } : process.env;
 }
 
+/** A long-running `cosiva` (up, server, plant, aiv …) or any other program. */
 export class Program {
   constructor(t, binary, args, { cwd, env, name = args[0] } = {}) {
     this.name = name;

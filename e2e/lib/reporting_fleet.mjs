@@ -59,7 +59,7 @@ class Tracks {
 
 class Reporter {
   constructor({ broker_port, zone, count, hz, waypoints }) {
-    Object.assign(this, { zone, count, hz, paused: new Set(), first: new Set(), batch: [], began_ms: wall_ms(), sent: 0 });
+    Object.assign(this, { zone, count, hz, paused: new Set(), first: new Set(), batch: [], began_ms: wall_ms(), sent: new Map() });
     this.tracks = new Tracks(waypoints, count);
     this.client = connect(`mqtt://127.0.0.1:${broker_port}`, { clientId: `fleet-${process.pid}`, reconnectPeriod: 200 });
     this.client.on('error', () => {}); // the client connects again by itself
@@ -89,8 +89,11 @@ class Reporter {
 
   publish(index, topic, content) {
     const name = serial(index + 1);
-    const header = { headerId: this.sent++, timestamp: new Date().toISOString(), version: '2.1.0', manufacturer: 'CoSiVA', serialNumber: name };
-    this.client.publish(`uagv/v2/CoSiVA/${name}/${topic}`, JSON.stringify({ ...header, ...content }), { qos: 0 });
+    const full = `uagv/v2/CoSiVA/${name}/${topic}`;
+    const headerId = this.sent.get(full) ?? 0; // counts the messages of each topic (VDA 5050 §6.4)
+    this.sent.set(full, headerId + 1);
+    const header = { headerId, timestamp: new Date().toISOString(), version: '2.1.0', manufacturer: 'CoSiVA', serialNumber: name };
+    this.client.publish(full, JSON.stringify({ ...header, ...content }), { qos: 0 });
   }
 
   /** The states that are due; after a long pause of the process they are not caught up. */

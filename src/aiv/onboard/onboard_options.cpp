@@ -34,27 +34,20 @@ Result<void> read_ms(const JsonValue& json, std::string_view field, SimDuration&
 
 std::string to_json(const OnboardOptions& options) {
   JsonWriter json;
-  json.begin_object()
-      .field("number", options.number)
-      .field("manufacturer", options.id.manufacturer)
-      .field("serialNumber", options.id.serial_number)
-      .field("interfaceName", options.interface_name);
+  json.begin_object().field("number", options.number).field("manufacturer", options.id.manufacturer);
+  json.field("serialNumber", options.id.serial_number).field("interfaceName", options.interface_name);
   if (options.zone) zone::write_json(json.key("zone"), *options.zone);
   if (options.start) {
-    json.key("start")
-        .begin_object()
-        .field("section", options.start->section)
-        .field("s_m", options.start->s_m)
-        .end_object();
+    json.key("start").begin_object().field("section", options.start->section);
+    json.field("s_m", options.start->s_m).end_object();
   }
   write_json(json.key("rules"), options.rules);
   json.field("v2x", options.v2x)
       .field("cycle_ms", to_milliseconds_by_seconds(options.cycle))
       .field("visualization_period_ms", to_milliseconds_by_seconds(options.visualization_period))
       .field("state_period_ms", to_milliseconds_by_seconds(options.state_period))
-      .field("link_timeout_ms", to_milliseconds_by_seconds(options.link_timeout))
-      .end_object();
-  return json.take();
+      .field("link_timeout_ms", to_milliseconds_by_seconds(options.link_timeout));
+  return json.end_object().take();
 }
 
 Result<OnboardOptions> onboard_options_from_json(std::string_view json) {

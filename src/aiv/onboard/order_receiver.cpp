@@ -36,8 +36,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
     return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
   const auto verdict = vehicle.take_order(order);
-  reporter.request_report();  // the state's orderUpdateId is the only
-                              // acknowledgement, also of a repetition
+  reporter.request_report();  // its orderUpdateId is the only acknowledgement, also of a repetition
   if (!verdict) return refuse(verdict.error().code, to_string(verdict.error()));
   accept(order, *verdict, input.at, *context, effects);
 }

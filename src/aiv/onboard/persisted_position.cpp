@@ -36,13 +36,9 @@ std::optional<Pose2> pose_from(const JsonValue* json) {
 
 std::string to_json(const PersistedPosition& persisted) {
   JsonWriter json;
-  json.begin_object()
-      .field("zone", persisted.zone)
-      .field("section", persisted.section)
-      .field("s", persisted.s_m)
-      .field("odometer_um", persisted.odometer_um)
-      .field("session", persisted.session)
-      .field("paused", persisted.paused);
+  json.begin_object().field("zone", persisted.zone).field("section", persisted.section).field("s", persisted.s_m);
+  json.field("odometer_um", persisted.odometer_um).field("session", persisted.session);
+  json.field("paused", persisted.paused);
   write(json, "pose", persisted.pose);
   if (persisted.off_path) json.field("off_path", true);
   write(json, "manoeuvre", persisted.manoeuvre);

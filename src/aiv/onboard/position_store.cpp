@@ -15,6 +15,8 @@ constexpr SimDuration save_period = std::chrono::milliseconds{100};
 constexpr double saved_distance_m_max = 100.0;
 /// An off-path body that has moved further than this is no longer where it was.
 constexpr double off_line_distance_m_max = 0.005;
+/// A zone that has not arrived by then, where the broker retains it, is no longer the vehicle's.
+constexpr SimDuration zone_arrives_within = std::chrono::seconds{3};
 /// A section within these tolerances lies where it lay when the position was saved.
 constexpr double same_position_m = 0.02;
 constexpr double same_heading_rad = 0.05;
@@ -67,10 +69,9 @@ bool PositionStore::on_pils_hello(std::uint32_t session) {
 
 void PositionStore::on_first_zone(DrivingContext& context, wire::Effects& effects) {
   if (restored_) restrict(context.agent());
-  if (start_ && !context.zone().circuit.find(start_->section)) {
-    effects.emplace_back(
-        wire::Log{'e', "start: no section '" + start_->section + "' in zone '" + context.zone().name + "'"});
-  }
+  const std::string& zone = context.zone().name;
+  if (start_ && !context.zone().circuit.find(start_->section))
+    effects.emplace_back(wire::Log{'e', "start: no section '" + start_->section + "' in zone '" + zone + "'"});
 }
 
 void PositionStore::on_zone_switched(DrivingContext& context) {
@@ -99,8 +100,8 @@ bool PositionStore::restore_position(DrivingContext& context) {
   if (restored_->session != *pils_session_) return false;
   VehicleState& vehicle = context.vehicle();
   const zone::Circuit& circuit = context.zone().circuit;
-  const double distance_m = 1e-6 * (static_cast<double>(*vehicle.position().counter().reading_um()) -
-                                    static_cast<double>(restored_->odometer_um));
+  const std::int64_t reading_um = *vehicle.position().counter().reading_um();
+  const double distance_m = 1e-6 * (static_cast<double>(reading_um) - static_cast<double>(restored_->odometer_um));
   if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
   // A position that was known before and has driven on since is no longer where it was saved.
   if (vehicle.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
@@ -140,12 +141,25 @@ std::optional<zone::TrackPosition> PositionStore::restored_position(const zone::
   return circuit.advance(track_position, distance_m, std::array{*next});
 }
 
+void PositionStore::restore_in_another_zone(SimTime now, DrivingContext& context) {
+  const PositionEstimator& position = context.vehicle().position();
+  if (!restored_ || restored_->zone == context.zone().name || position.pose_known()) return;
+  if (!pils_session_ || !position.counter().reading_um()) return;
+  if (!other_zone_since_) other_zone_since_ = now;
+  if (now - *other_zone_since_ < zone_arrives_within) return;
+  if (restored_->session != *pils_session_) return restored_.reset();
+  // Without a pose, nothing shows that a section of the same name is the same one. A vehicle that has moved, and whose
+  // section is not in this zone, finds its position in the saved zone alone, which may still arrive.
+  if (restored_->pose) (void)restore_position(context);
+}
+
 void PositionStore::discard_restored() {
   restored_.reset();
   request_save();
 }
 
-void PositionStore::on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects) {
+void PositionStore::on_tick(SimTime now, DrivingContext& context, wire::Effects& effects) {
+  restore_in_another_zone(now, context);
   save(timer_.take(now), context, effects);
   was_stopped_ = context.vehicle().motion().stopped();
 }
@@ -178,8 +192,8 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
 std::string PositionStore::saved_json() const { return saved_ ? to_json(*saved_) : std::string{}; }
 
 void PositionStore::archive(Archive& archive) {
-  archive(start_counts_, restored_, saved_, pils_session_, timer_, saved_um_, saved_manoeuvre_, requested_,
-          was_stopped_);
+  archive(start_counts_, restored_, other_zone_since_, saved_, pils_session_, timer_, saved_um_, saved_manoeuvre_,
+          requested_, was_stopped_);
 }
 
 }  // namespace cosiva::aiv

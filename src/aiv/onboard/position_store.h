@@ -37,8 +37,9 @@ class PositionStore {
 
   /// A change has to be saved that the odometer does not show.
   void request_save() { requested_ = true; }
-  /// Saves what has changed: periodically, as soon as the vehicle stops, and on request.
-  void on_tick(SimTime now, const DrivingContext& context, wire::Effects& effects);
+  /// Saves what has changed: periodically, as soon as the vehicle stops, and on request. Where a vehicle that was saved
+  /// in another zone has not moved, or that section is in this zone too, its position is known after some seconds.
+  void on_tick(SimTime now, DrivingContext& context, wire::Effects& effects);
   void save_now(const DrivingContext& context, wire::Effects& effects);
   /// What was saved last where messages pass as values; empty: nothing yet.
   [[nodiscard]] std::string saved_json() const;
@@ -48,6 +49,7 @@ class PositionStore {
   void restrict(Agent& agent) const;
   /// Sets the estimate to the restored position: false where it is impossible.
   [[nodiscard]] bool restore_position(DrivingContext& context);
+  void restore_in_another_zone(SimTime now, DrivingContext& context);
   [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit,
                                                                      double distance_m) const;
   void save(bool due, const DrivingContext& context, wire::Effects& effects);
@@ -56,7 +58,8 @@ class PositionStore {
   bool as_values_;
   bool start_counts_{true};  ///< the configured start is of the zone in force
   std::optional<PersistedPosition> restored_;
-  std::optional<PersistedPosition> saved_;  ///< where messages pass as values
+  std::optional<SimTime> other_zone_since_;  ///< the zone in force is not that of the restored position
+  std::optional<PersistedPosition> saved_;   ///< where messages pass as values
   std::optional<std::uint32_t> pils_session_;
   Periodic timer_;
   std::optional<std::int64_t> saved_um_;

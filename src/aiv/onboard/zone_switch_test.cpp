@@ -277,6 +277,73 @@ TEST(ZoneSwitch, is_restored_by_a_program_that_was_started_with_the_old_zone) {
   EXPECT_LT(after.pose_error_m(), 0.005);
 }
 
+/// Saved on lacet4, where the vehicle has stopped, and started again when the floor has another zone.
+SwitchFixture::Setup reborn_in_another_zone(SwitchFixture& fixture) {
+  fixture.set_off();
+  fixture.act("startPause", "p");
+  EXPECT_TRUE(fixture.run_until([&] { return fixture.speed_mps == 0.0; }, 2.0));
+  fixture.run(0.3);
+  auto setup = fixture.reborn();
+  setup.zone = track_near_loop();
+  setup.start = std::nullopt;
+  return setup;
+}
+
+TEST(ZoneSwitch, while_its_program_was_down_leaves_a_stopped_vehicle_where_it_was) {
+  SwitchFixture fixture;
+  const auto setup = reborn_in_another_zone(fixture);
+  SwitchFixture after{setup};
+  after.world = fixture.world;
+  after.change_floor(track_near_loop());
+  after.run(2.5);
+  EXPECT_FALSE(after.core->estimated_pose()) << "the saved zone may still arrive";
+  after.run(1.0);
+  ASSERT_TRUE(after.core->estimated_pose());
+  EXPECT_LT(after.pose_error_m(), 0.005);
+  EXPECT_EQ(after.state().position->map_id, "track");
+  EXPECT_TRUE(after.state().paused);
+}
+
+TEST(ZoneSwitch, while_its_program_was_down_loses_a_vehicle_that_has_moved) {
+  SwitchFixture fixture;
+  const auto setup = reborn_in_another_zone(fixture);
+  SwitchFixture after{setup};
+  after.world = fixture.world;
+  after.world.odometer_m += 0.02;
+  after.change_floor(track_near_loop());
+  after.run(5.0);
+  EXPECT_FALSE(after.core->estimated_pose());
+  EXPECT_THAT(after.error_types(), Contains("positionUnknown"));
+}
+
+TEST(ZoneSwitch, while_its_program_was_down_finds_a_vehicle_that_has_moved_where_the_section_is_the_same) {
+  SwitchFixture fixture;
+  auto setup = reborn_in_another_zone(fixture);
+  setup.zone = lacet4_configuration();
+  setup.zone->text.replace(setup.zone->text.find("\"lacet4\""), 8, "\"floor\"");
+  SwitchFixture after{setup};
+  after.world = fixture.world;
+  after.world.odometer_m += 0.02;
+  after.run(3.5);
+  ASSERT_TRUE(after.core->estimated_pose());
+  EXPECT_NEAR(after.pose_error_m(), 0.02, 0.005) << "by the odometer";
+  EXPECT_EQ(after.state().position->map_id, "floor");
+}
+
+TEST(ZoneSwitch, back_to_the_saved_zone_finds_a_vehicle_that_has_moved_however_late_it_is) {
+  SwitchFixture fixture;
+  const auto setup = reborn_in_another_zone(fixture);
+  SwitchFixture after{setup};
+  after.world = fixture.world;
+  after.world.odometer_m += 0.02;
+  after.run(5.0);
+  ASSERT_FALSE(after.core->estimated_pose());
+  after.announce(lacet4_configuration());
+  after.run(0.5);
+  ASSERT_TRUE(after.core->estimated_pose());
+  EXPECT_NEAR(after.pose_error_m(), 0.02, 0.005);
+}
+
 TEST(ZoneSwitch, is_restored_halfway_to_the_path) {
   SwitchFixture fixture;
   fixture.set_off();

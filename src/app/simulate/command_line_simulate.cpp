@@ -22,8 +22,17 @@ constexpr const char* footer =
     "that no vehicle touches a person or another vehicle (safety). Then the faults end, and within 2 s all twins must\n"
     "be fresh and afterwards all vehicles drive (I10).\n"
     "\n"
+    "With --handovers two servers control the areas a and b of one floor, with a store each, and operators send the\n"
+    "vehicles from one area to the other while both servers suffer these faults. Checked are I1 and I9 of both "
+    "stores,\n"
+    "I4 (no server commands a vehicle that is not its own, and no two servers command one vehicle) and safety; after\n"
+    "the faults every vehicle must be in exactly one table within 10 s, and each be handed over once more and drive "
+    "on\n"
+    "(I10).\n"
+    "\n"
     "Examples:\n"
     "  cosiva simulate --seeds 1..200 --minutes 1              two hundred minutes in less than one\n"
+    "  cosiva simulate --seeds 1..50 --minutes 1 --handovers   two control areas, with hand-overs between them\n"
     "  cosiva simulate --seeds 17 --minutes 1 --list           the faults of a seed, without running it\n"
     "  cosiva simulate --seeds 17 --minutes 1 --shrink         the fewest faults with which seed 17 still fails\n"
     "  cosiva simulate --seeds 17 --minutes 1 --faults 3,12    seed 17 with two of its faults only\n"
@@ -56,6 +65,11 @@ Command describe_simulate(Command root, SimulateArguments& arguments) {
       .add_option("--other-zone", arguments.other_zone,
                   "operators also switch to this zone and back; without: no zone is switched")
       .value_name("NAME|FILE");
+  command
+      .add_flag("--handovers", arguments.handovers,
+                "two control areas on one floor, each with a server, and vehicles that are sent from one to the other")
+      .excludes(command.option("--zone"))
+      .excludes(command.option("--other-zone"));
   command.add_option("--aivs", arguments.aivs, "how many vehicles").value_name("N").in_range(1, 200).show_default();
   command.add_option("--jobs", arguments.jobs, "seeds at a time; 0: one for each processor")
       .value_name("N")

@@ -24,6 +24,11 @@ std::string counts_text(const FaultCounts& counts) {
   return text.empty() ? "no faults" : text;
 }
 
+/// Nothing where there is one control area.
+std::string handovers_text(std::uint64_t handovers) {
+  return handovers == 0 ? std::string{} : ", " + std::to_string(handovers) + " hand-overs";
+}
+
 std::string number_text(double number) {
   JsonWriter json;
   json.value(number);
@@ -38,6 +43,7 @@ void add(SeedTotals& totals, const FaultSimulationResult& result) {
   const FaultCounts counts = experiments::count_kinds(result.faults);
   for (std::size_t i = 0; i < counts.size(); ++i) totals.faults.at(i) += counts.at(i);
   totals.accepted += result.accepted;
+  totals.handovers += result.handovers;
   totals.simulated_s += to_seconds(result.simulated);
   totals.fresh_after_s_max = std::max(totals.fresh_after_s_max, to_seconds(result.fresh_after));
   totals.driving_after_s_max = std::max(totals.driving_after_s_max, to_seconds(result.driving_after));
@@ -47,8 +53,8 @@ std::string seed_text(const FaultSimulationResult& result) {
   return "seed " + std::to_string(result.seed) + ": " +
          (result.violation ? result.violation->invariant + " violated" : std::string{"holds"}) + ", digest " +
          result.digest + ", " + decimals(to_seconds(result.simulated), 1) + " s, " + std::to_string(result.accepted) +
-         " commands accepted, server started " + std::to_string(result.server_starts) + " times; " +
-         counts_text(experiments::count_kinds(result.faults));
+         " commands accepted, server started " + std::to_string(result.server_starts) + " times" +
+         handovers_text(result.handovers) + "; " + counts_text(experiments::count_kinds(result.faults));
 }
 
 std::string seed_json(const FaultSimulationResult& result, const std::string& replay) {
@@ -59,6 +65,7 @@ std::string seed_json(const FaultSimulationResult& result, const std::string& re
       .field("simulated_s", to_seconds(result.simulated))
       .field("commands", result.accepted)
       .field("serverStarts", result.server_starts)
+      .field("handovers", result.handovers)
       .field("fresh_s", to_seconds(result.fresh_after))
       .field("driving_s", to_seconds(result.driving_after));
   json.key("faults").begin_object();
@@ -88,15 +95,16 @@ std::string failure_text(const FaultSimulationResult& result) {
 std::string totals_text(const SeedTotals& totals) {
   return std::to_string(totals.seeds) + " seeds, " + std::to_string(totals.failed) + " failed; " +
          decimals(totals.simulated_s / 60.0, 1) + " virtual minutes, " + std::to_string(totals.accepted) +
-         " commands accepted; injected: " + counts_text(totals.faults) + "; all twins fresh " +
-         decimals(totals.fresh_after_s_max, 2) + " s after the faults at most, all vehicles driving after " +
-         decimals(totals.driving_after_s_max, 1) + " s";
+         " commands accepted" + handovers_text(totals.handovers) + "; injected: " + counts_text(totals.faults) +
+         "; all twins fresh " + decimals(totals.fresh_after_s_max, 2) +
+         " s after the faults at most, all vehicles driving after " + decimals(totals.driving_after_s_max, 1) + " s";
 }
 
 std::string replay_command(const SimulateArguments& arguments, const FaultSimulationResult& result,
                            const std::vector<std::uint32_t>& faults) {
   std::string line = "cosiva simulate --seeds " + std::to_string(result.seed) + " --minutes " +
-                     number_text(arguments.minutes) + " --zone " + arguments.zone + " --aivs " +
+                     number_text(arguments.minutes) +
+                     (arguments.handovers ? " --handovers" : " --zone " + arguments.zone) + " --aivs " +
                      std::to_string(arguments.aivs);
   if (!arguments.other_zone.empty()) line += " --other-zone " + arguments.other_zone;
   if (!arguments.plant.empty()) line += " --plant " + arguments.plant;

@@ -15,6 +15,7 @@ struct SeedTotals {
   std::uint64_t failed{};
   experiments::FaultCounts faults{};
   std::uint64_t accepted{};
+  std::uint64_t handovers{};
   double simulated_s{};
   double fresh_after_s_max{};
   double driving_after_s_max{};

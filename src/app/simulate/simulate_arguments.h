@@ -15,6 +15,7 @@ struct SimulateArguments {
   std::uint32_t jobs{0};
   std::vector<std::uint32_t> faults;
   std::string plant;
+  bool handovers{false};
   bool shrink{false};
   bool list{false};
   bool json{false};

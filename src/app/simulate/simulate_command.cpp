@@ -18,6 +18,7 @@
 #include "cosiva/experiments/faults/fault_schedule.h"
 #include "cosiva/experiments/faults/fault_simulation.h"
 #include "cosiva/experiments/faults/shrink.h"
+#include "cosiva/experiments/faults/two_areas.h"
 
 namespace cosiva::app {
 namespace {
@@ -51,7 +52,8 @@ Result<SeedRange> read_seeds(std::string_view text) {
 
 Result<FaultSimulationOptions> options_of(const SimulateArguments& arguments) {
   FaultSimulationOptions options;
-  auto zone = open_zone(arguments.zone);
+  if (arguments.handovers) options.areas = experiments::two_areas();
+  auto zone = options.areas ? zone::Rtm::initialise(options.areas->floor) : open_zone(arguments.zone);
   if (!zone) return tl::unexpected<Error>(zone.error());
   options.rtm = std::make_shared<const zone::Rtm>(std::move(*zone));
   if (!arguments.other_zone.empty()) {
@@ -66,6 +68,8 @@ Result<FaultSimulationOptions> options_of(const SimulateArguments& arguments) {
     if (!planted)
       return fail("simulate.plant", "there is no defect '" + arguments.plant + "'; `cosiva simulate --help` lists them",
                   "--plant");
+    if (experiments::concerns_handovers(*planted) && !options.areas)
+      return fail("simulate.plant", "the defect '" + arguments.plant + "' needs --handovers", "--plant");
     options.planted = *planted;
   }
   if (!arguments.faults.empty()) options.only = arguments.faults;

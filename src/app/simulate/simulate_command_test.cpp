@@ -37,6 +37,19 @@ TEST(SimulateCommand, lists_the_faults_of_a_seed) {
   EXPECT_THAT(output.data, StartsWith("seed 3\n  #1 F"));
 }
 
+TEST(SimulateCommand, names_hand_overs_in_the_command_that_repeats_a_failed_seed) {
+  const CommandOutput output =
+      cosiva({"simulate", "--handovers", "--seeds", "1", "--minutes", "0.2", "--plant", "lost-owner"});
+  EXPECT_EQ(output.status, 1);
+  EXPECT_THAT(output.standard_error,
+              HasSubstr("replay: cosiva simulate --seeds 1 --minutes 0.2 --handovers --aivs 4 --plant lost-owner"));
+}
+
+TEST(SimulateCommand, refuses_a_zone_with_hand_overs_and_a_defect_of_hand_overs_without_them) {
+  EXPECT_NE(cosiva({"simulate", "--handovers", "--zone", "lacet4"}).status, 0);
+  EXPECT_THAT(cosiva({"simulate", "--plant", "lost-owner"}).standard_error, HasSubstr("needs --handovers"));
+}
+
 TEST(SimulateCommand, refuses_a_bad_range_and_an_unknown_defect) {
   EXPECT_EQ(cosiva({"simulate", "--seeds", "9..3"}).status, 2);
   EXPECT_EQ(cosiva({"simulate", "--seeds", "x"}).status, 2);

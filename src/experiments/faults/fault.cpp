@@ -19,6 +19,7 @@ std::string percent(double ratio) { return std::to_string(std::lround(100.0 * ra
 
 std::string name_of(Process process) {
   if (process == server_process) return "server";
+  if (is_server(process)) return "server " + std::to_string(process - first_other_server + 2);
   return process == plant_process ? "plant" : "AIV" + std::to_string(process);
 }
 
@@ -40,10 +41,11 @@ std::string content_of(const Fault& fault) {
     case FaultKind::partition: return partition_text(fault);
     case FaultKind::crash: return crash_text(fault);
     case FaultKind::broker: return "dead for " + seconds(fault.lasts);
-    case FaultKind::power_cut: return "server back after " + seconds(fault.lasts);
+    case FaultKind::power_cut: return name_of(fault.process) + " back after " + seconds(fault.lasts);
     case FaultKind::disk_refusal:
-      return fault.text + " at every call " + std::to_string(fault.n) + ", for " + seconds(fault.lasts);
-    case FaultKind::bit_flip: return "server down for " + seconds(fault.lasts);
+      return name_of(fault.process) + ", " + fault.text + " at every call " + std::to_string(fault.n) + ", for " +
+             seconds(fault.lasts);
+    case FaultKind::bit_flip: return name_of(fault.process) + " down for " + seconds(fault.lasts);
     case FaultKind::clock:
       return name_of(fault.process) + " restarts after " + seconds(fault.lasts) + ", its clock off by " +
              seconds(fault.clock_offset) + " and " + std::to_string(std::lround(fault.clock_drift_ppm)) + " ppm";

@@ -27,17 +27,21 @@ bool has_active(const std::vector<const Fault*>& active, FaultKind kind) {
 
 }  // namespace
 
-FaultInjector::FaultInjector(World& world, SimulatedStore& store, Persons& persons, std::vector<Fault> faults,
+FaultInjector::FaultInjector(World& world, const Stores& stores, Persons& persons, std::vector<Fault> faults,
                              std::uint32_t aivs, std::uint64_t seed, Planted planted, Handlers handlers)
     : world_{world},
-      store_{store},
       persons_{persons},
       faults_{std::move(faults)},
       planted_{planted},
       handlers_{std::move(handlers)},
       random_{seed, "injector"},
       epoch_{world.now()} {
-  for (Process process = 0; process <= aivs; ++process) processes_.try_emplace(process);
+  for (Process process = 1; process <= aivs; ++process) processes_.try_emplace(process);
+  for (const auto& [server, store] : stores) {
+    COSIVA_EXPECT(is_server(server) && store != nullptr);
+    processes_[server].store = store;
+  }
+  server_starts_ = stores.size();
   processes_.try_emplace(plant_process);
 }
 
@@ -67,13 +71,11 @@ void FaultInjector::begin(const Fault& fault) {
   switch (fault.kind) {
     case FaultKind::crash: return crash(fault);
     case FaultKind::power_cut: return cut_power(fault);
-    case FaultKind::bit_flip: processes_[server_process].bit_flip = fault.n; return restart_later(fault);
+    case FaultKind::bit_flip: processes_[fault.process].bit_flip = fault.n; return restart_later(fault);
     case FaultKind::clock:
       world_.faults().set_clock(fault.process, fault.clock_offset, fault.clock_drift_ppm);
       return restart_later(fault);
-    case FaultKind::command:
-      if (world_.faults().running(server_process)) handlers_.on_command(fault.text);
-      return;
+    case FaultKind::command: return handlers_.on_command(fault.text);
     case FaultKind::person:
       if (world_.faults().running(plant_process)) persons_.step_in(fault.process, fault.n, epoch_ + fault.ends());
       return;
@@ -102,35 +104,28 @@ void FaultInjector::crash(const Fault& fault) {
 }
 
 void FaultInjector::cut_power(const Fault& fault) {
-  ProcessFaults& server = processes_[server_process];
+  ProcessFaults& server = processes_[fault.process];
+  COSIVA_EXPECT(server.store != nullptr);
   server.down_for = fault.lasts;
-  if (!world_.faults().running(server_process)) return store_.cut_power();
+  if (!world_.faults().running(fault.process)) return server.store->cut_power();
   if (fault.n == 0) {
     server.power_cut = true;
-    return kill(server_process);
+    return kill(fault.process);
   }
-  store_.at_call(fault.n, [this] {
-    processes_[server_process].power_cut = true;
-    kill(server_process);
+  server.store->at_call(fault.n, [this, process = fault.process] {
+    processes_[process].power_cut = true;
+    kill(process);
   });
 }
 
-void FaultInjector::kill(Process process) {
-  if (process == server_process)
-    world_.kill_server();
-  else if (process == plant_process)
-    world_.faults().kill_plant();
-  else
-    world_.kill_aiv(process);
-}
+void FaultInjector::kill(Process process) { world_.faults().kill(process); }
 
 void FaultInjector::on_killed(Process process) {
   ProcessFaults& killed = processes_[process];
   killed.restart_at = world_.now() + std::exchange(killed.down_for, seconds{1});
   killed.link_at.reset();
   killed.blocked_since.reset();
-  if (process != server_process || !std::exchange(killed.power_cut, false)) return;
-  store_.cut_power();
+  if (killed.store != nullptr && std::exchange(killed.power_cut, false)) killed.store->cut_power();
 }
 
 void FaultInjector::on_published(Process aiv, const wire::Publish& message) {
@@ -139,12 +134,20 @@ void FaultInjector::on_published(Process aiv, const wire::Publish& message) {
 
 void FaultInjector::apply_active() {
   apply_weather();
-  const auto refusal =
-      std::ranges::find_if(active_, [](const Fault* fault) { return fault->kind == FaultKind::disk_refusal; });
-  if (refusal == active_.end())
-    store_.set_refusal({}, 1);
-  else
-    store_.set_refusal((*refusal)->text, (*refusal)->n);
+  apply_refusals();
+}
+
+void FaultInjector::apply_refusals() {
+  for (auto& [process, its] : processes_) {
+    if (its.store == nullptr) continue;
+    const auto refusal = std::ranges::find_if(active_, [server = process](const Fault* fault) {
+      return fault->kind == FaultKind::disk_refusal && fault->process == server;
+    });
+    if (refusal == active_.end())
+      its.store->set_refusal({}, 1);
+    else
+      its.store->set_refusal((*refusal)->text, (*refusal)->n);
+  }
 }
 
 void FaultInjector::apply_weather() {
@@ -216,26 +219,22 @@ void FaultInjector::restart_due() {
 }
 
 void FaultInjector::start(Process process) {
+  if (is_server(process)) return start_server(process);
+  if (process == plant_process) persons_.on_plant_start();
+  world_.faults().start(process);
+  if (process == plant_process && planted_ == Planted::lost_boards) world_.faults().set_boards(1, false);
+}
+
+void FaultInjector::start_server(Process process) {
   ProcessFaults& its = processes_[process];
-  if (process == plant_process) return start_plant();
-  if (process != server_process) {
-    ++its.starts;
-    return world_.start_aiv(process);
-  }
-  if (its.bit_flip) store_.check_bit_flip(*std::exchange(its.bit_flip, std::nullopt));
-  if (!store_.open()) {
+  if (its.bit_flip) its.store->check_bit_flip(*std::exchange(its.bit_flip, std::nullopt));
+  if (!its.store->open()) {
     its.restart_at = world_.now() + retry_start;
     return;
   }
   ++server_starts_;
-  handlers_.before_server_start();
-  world_.start_server();
-}
-
-void FaultInjector::start_plant() {
-  persons_.on_plant_start();
-  world_.faults().start_plant();
-  if (planted_ == Planted::lost_boards) world_.faults().set_boards(1, false);
+  handlers_.before_server_start(process);
+  world_.faults().start(process);
 }
 
 void FaultInjector::link_due() {
@@ -264,9 +263,9 @@ SimDuration FaultInjector::end_faults() {
   active_.clear();
   apply_active();
   if (broker_was_down) world_.faults().start_broker();
-  store_.at_call(0, {});
   persons_.leave(SimTime::max());
   for (auto& [process, its] : processes_) {
+    if (its.store != nullptr) its.store->at_call(0, {});
     if (world_.faults().running(process)) world_.faults().kill_at_effect(process, 0);
     if (its.restart_at) its.restart_at = world_.now();
   }

@@ -24,9 +24,11 @@ class FaultInjector {
  public:
   struct Handlers {
     std::function<void(const std::string& json)> on_command;  ///< an operator gives a command
-    std::function<void()> before_server_start;                ///< the store is open
+    std::function<void(Process server)> before_server_start;  ///< its store is open
   };
-  FaultInjector(World& world, SimulatedStore& store, Persons& persons, std::vector<Fault> faults, std::uint32_t aivs,
+  /// The store of each server.
+  using Stores = std::map<Process, SimulatedStore*>;
+  FaultInjector(World& world, const Stores& stores, Persons& persons, std::vector<Fault> faults, std::uint32_t aivs,
                 std::uint64_t seed, Planted planted, Handlers handlers);
 
   /// Begins and ends everything that is due.
@@ -55,16 +57,16 @@ class FaultInjector {
   void apply_active();
   void apply_weather();
   void apply_partition(Process process);
+  void apply_refusals();
   void flood();
   void lift_pauses();
   void restart_due();
   void link_due();
   void kill(Process process);
   void start(Process process);
-  void start_plant();
+  void start_server(Process process);
 
   World& world_;
-  SimulatedStore& store_;
   Persons& persons_;
   const std::vector<Fault> faults_;
   Planted planted_;
@@ -80,11 +82,11 @@ class FaultInjector {
     std::optional<SimTime> blocked_since{};
     bool power_cut{false};
     std::optional<std::uint64_t> bit_flip{};
-    std::uint32_t starts{1};
+    SimulatedStore* store{};  ///< null: the process is no server
     std::optional<wire::Publish> last{};
   };
   std::map<Process, ProcessFaults> processes_;
-  std::uint64_t server_starts_{1};
+  std::uint64_t server_starts_{0};
   std::vector<std::pair<SimTime, wire::Publish>> lifts_;  ///< of Planted::lifted_pause
 };
 

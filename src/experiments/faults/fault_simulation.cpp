@@ -9,6 +9,7 @@
 #include "cosiva/experiments/faults/command_ledger.h"
 #include "cosiva/experiments/faults/fault_injector.h"
 #include "cosiva/experiments/faults/fault_schedule.h"
+#include "cosiva/experiments/faults/handover_simulation.h"
 #include "cosiva/experiments/faults/message_ledger.h"
 #include "cosiva/experiments/faults/persons.h"
 #include "cosiva/experiments/faults/simulated_store.h"
@@ -33,6 +34,8 @@ constexpr SimDuration drives_within = seconds{120};
 constexpr SimDuration steps_in_within = seconds{5};
 constexpr double drives_m = 0.3;
 constexpr std::size_t waiting_bytes_max = std::size_t{64} << 20U;
+
+constexpr std::string_view switch_command_begin = R"({"command":"switch")";
 
 std::string switch_command(const zone::ZoneConfiguration& zone) {
   JsonWriter json;
@@ -80,9 +83,10 @@ class Simulation {
     stops_.emplace(*world_, options_.aivs);
     twins_.emplace(*world_, options_.aivs, options_.planted);
     persons_.emplace(*world_);
-    injector_.emplace(
-        *world_, *store_, *persons_, result_.faults, options_.aivs, seed_, options_.planted,
-        FaultInjector::Handlers{[this](const std::string& json) { command(json); }, [this] { before_server_start(); }});
+    injector_.emplace(*world_, FaultInjector::Stores{{server_process, store_.get()}}, *persons_, result_.faults,
+                      options_.aivs, seed_, options_.planted,
+                      FaultInjector::Handlers{[this](const std::string& json) { command(json); },
+                                              [this](Process) { before_server_start(); }});
     FaultInjection::Observer observer;
     observer.on_killed = [this](Process process) {
       if (process == server_process)
@@ -132,8 +136,10 @@ class Simulation {
     if (result_.violation || !world_->faults().running(server_process)) return;
     if (!world_->server().check_command(virtual_side::DecodedCommand{json})) return;
     ledger_.on_submitted(json);
-    world_->faults().command(
-        json, [this, json](const Result<void>& decided) { found(ledger_.on_decided(json, decided.has_value())); });
+    if (json.starts_with(switch_command_begin)) twins_->on_zone_switched();
+    world_->faults().command(server_process, json, [this, json](const Result<void>& decided) {
+      found(ledger_.on_decided(json, decided.has_value()));
+    });
   }
 
   void found(Finding finding) {
@@ -274,6 +280,7 @@ class Simulation {
 }  // namespace
 
 std::vector<Fault> fault_schedule_of(std::uint64_t seed, const FaultSimulationOptions& options) {
+  if (options.areas) return handover_schedule_of(seed, options);
   FaultScheduleOptions schedule;
   schedule.duration = options.duration;
   schedule.aivs = options.aivs;
@@ -293,6 +300,7 @@ std::vector<Fault> fault_schedule_of(std::uint64_t seed, const FaultSimulationOp
 }
 
 Result<FaultSimulationResult> simulate_faults(std::uint64_t seed, const FaultSimulationOptions& options) {
+  if (options.areas) return simulate_handovers(seed, options);
   return Simulation{seed, options}.run();
 }
 

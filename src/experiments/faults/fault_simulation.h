@@ -10,6 +10,7 @@
 #include "cosiva/base/time.h"
 #include "cosiva/experiments/faults/fault.h"
 #include "cosiva/experiments/faults/planted.h"
+#include "cosiva/experiments/faults/two_areas.h"
 #include "cosiva/experiments/faults/violation.h"
 #include "cosiva/zone/layout/circuit_factory.h"
 #include "cosiva/zone/rtm/rtm.h"
@@ -24,6 +25,9 @@ struct FaultSimulationOptions {
   Planted planted{Planted::none};
   /// Only the faults with these numbers of the seed's schedule are injected; nothing: all of them.
   std::optional<std::vector<std::uint32_t>> only{};
+  /// Not nothing: two servers with these control areas on the floor `rtm`, and vehicles that are sent from one to the
+  /// other (simulate_handovers()); `other_zone` is not used then.
+  std::optional<TwoAreas> areas{};
 };
 
 struct FaultSimulationResult {
@@ -33,6 +37,7 @@ struct FaultSimulationResult {
   SimDuration simulated{};
   std::uint64_t accepted{};  ///< commands
   std::uint64_t server_starts{};
+  std::uint64_t handovers{};    ///< of vehicles, completed: the control area before has received the new owner
   SimDuration fresh_after{};    ///< from the end of the faults until all twins were fresh
   SimDuration driving_after{};  ///< from the last restart command until every vehicle drove
   std::optional<Violation> violation;

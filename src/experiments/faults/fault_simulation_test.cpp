@@ -18,10 +18,11 @@ using std::chrono::minutes;
 using std::chrono::seconds;
 
 FaultSimulationOptions options_of(SimDuration duration, Planted planted = Planted::none) {
-  const auto configuration = zone::testing::configuration_file("lacet4.toml");
-  const auto rtm = zone::Rtm::initialise(configuration);
-  EXPECT_TRUE(rtm);
   FaultSimulationOptions options;
+  if (concerns_handovers(planted)) options.areas = two_areas();
+  const auto rtm =
+      zone::Rtm::initialise(options.areas ? options.areas->floor : zone::testing::configuration_file("lacet4.toml"));
+  EXPECT_TRUE(rtm);
   options.rtm = std::make_shared<const zone::Rtm>(*rtm);
   options.duration = duration;
   options.planted = planted;

@@ -37,7 +37,7 @@ class MessageLedger {
   /// The server receives a message.
   void on_received(const std::string& topic, const std::string& payload);
   /// Compares with the server's summary. A message that the server dropped, because its vehicle floods, may count as
-  /// missing.
+  /// missing, and shows no others as missing.
   [[nodiscard]] Finding check(const JsonValue& summary);
 
  private:
@@ -46,6 +46,8 @@ class MessageLedger {
     std::uint32_t newest{};
     std::set<std::uint32_t> received{};  ///< in this session, from `first` on
     bool compared{false};                ///< with the server's count, at least once
+    bool advanced{true};                 ///< since the last comparison
+    bool evaluated{true};                ///< the newest one, by the server: it was not dropped
     [[nodiscard]] std::int64_t missing() const;
   };
   using Topics = std::map<std::string, Topic, std::less<>>;  ///< by the last level of the topic
@@ -65,6 +67,7 @@ class MessageLedger {
     void begin_session(std::uint64_t message, std::optional<std::uint32_t> of);
     void receive(std::string_view topic, std::uint32_t id);
     void on_dropped(std::int64_t all);
+    [[nodiscard]] bool all_evaluated() const;
   };
 
   std::map<std::string, Vehicle, std::less<>> vehicles_;

@@ -49,14 +49,27 @@ TEST_F(Ledger, requires_that_exactly_the_lost_messages_count_as_missing) {
 
 TEST_F(Ledger, permits_a_dropped_message_to_count_as_missing) {
   receive(online(0));
-  send_states(0, 3);
+  send_states(0, 4);
   receive_states({0});
   EXPECT_TRUE(holds(0));
   receive_states({2, 3});
   EXPECT_TRUE(holds(1, 2));
   EXPECT_TRUE(holds(3, 2));
   EXPECT_FALSE(holds(4, 2));
-  EXPECT_FALSE(holds(0, 2));
+}
+
+TEST_F(Ledger, requires_no_count_of_what_only_a_dropped_message_shows) {
+  receive(online(0));
+  send_states(0, 9);
+  receive_states({0});
+  EXPECT_TRUE(holds(0));
+  receive_states({2});
+  EXPECT_TRUE(holds(0, 1)) << "2 was dropped: the server does not know of 1 yet";
+  EXPECT_TRUE(holds(0, 1));
+  receive_states({4});
+  EXPECT_FALSE(holds(1, 1)) << "4 shows that 1 and 3 are missing";
+  EXPECT_TRUE(holds(2, 1));
+  EXPECT_TRUE(holds(3, 1)) << "and 2, to a server that dropped it";
 }
 
 TEST_F(Ledger, does_not_check_a_session_whose_first_message_the_server_may_have_dropped) {
@@ -110,6 +123,18 @@ TEST_F(Ledger, goes_on_with_the_session_of_a_message_that_is_received_again) {
   receive_states({9});
   EXPECT_TRUE(holds(8));
   EXPECT_FALSE(holds(0));
+}
+
+TEST_F(Ledger, counts_the_connections_and_factsheets_too) {
+  receive(online(0));
+  receive(message("factsheet", 0));
+  receive(message("connection", 2, R"(,"connectionState":"OFFLINE")"));
+  for (std::uint32_t id = 1; id <= 4; ++id) EXPECT_FALSE(ledger.on_sent(message("factsheet", id)));
+  receive(message("factsheet", 4));
+  EXPECT_TRUE(holds(3)) << "factsheets 1, 2 and 3; connections count from the first one after the session's";
+  EXPECT_FALSE(holds(0));
+  receive(message("connection", 4, R"(,"connectionState":"CONNECTIONBROKEN")"));
+  EXPECT_TRUE(holds(4));
 }
 
 TEST_F(Ledger, begins_again_with_a_server_that_starts) {

@@ -22,6 +22,8 @@ std::string_view to_string(Planted planted) {
     case Planted::forgotten_aiv: return "forgotten-aiv";
     case Planted::unseen_person: return "unseen-person";
     case Planted::hidden_loss: return "hidden-loss";
+    case Planted::lost_owner: return "lost-owner";
+    case Planted::retained_vehicle: return "retained-vehicle";
   }
   return "?";
 }

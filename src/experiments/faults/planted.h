@@ -28,13 +28,19 @@ enum class Planted : std::uint8_t {
   forgotten_aiv,      ///< a restart loses the virtual AIVs
   unseen_person,      ///< AIVs are not informed of virtual persons
   hidden_loss,        ///< messages that were lost are not counted as missing
+  lost_owner,         ///< no message that names control area b as the owner of a vehicle leaves the server of a
+  retained_vehicle,   ///< control area a goes on to command the vehicles that it has handed over
 };
-inline constexpr std::array<Planted, 17> all_planted{
-    Planted::early_decision,   Planted::failed_sync,  Planted::hidden_refusal, Planted::forgotten_command,
-    Planted::repeated_command, Planted::old_state,    Planted::forgotten_stop, Planted::double_click,
-    Planted::lost_pause,       Planted::lifted_pause, Planted::hidden_age,     Planted::lost_link,
-    Planted::hidden_damage,    Planted::lost_boards,  Planted::forgotten_aiv,  Planted::unseen_person,
-    Planted::hidden_loss};
+inline constexpr std::array<Planted, 19> all_planted{
+    Planted::early_decision,   Planted::failed_sync,  Planted::hidden_refusal,  Planted::forgotten_command,
+    Planted::repeated_command, Planted::old_state,    Planted::forgotten_stop,  Planted::double_click,
+    Planted::lost_pause,       Planted::lifted_pause, Planted::hidden_age,      Planted::lost_link,
+    Planted::hidden_damage,    Planted::lost_boards,  Planted::forgotten_aiv,   Planted::unseen_person,
+    Planted::hidden_loss,      Planted::lost_owner,   Planted::retained_vehicle};
+/// Whether only a simulation of hand-overs can detect the defect.
+[[nodiscard]] constexpr bool concerns_handovers(Planted planted) {
+  return planted == Planted::lost_owner || planted == Planted::retained_vehicle;
+}
 
 /// "early-decision".
 [[nodiscard]] std::string_view to_string(Planted planted);

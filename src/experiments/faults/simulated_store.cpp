@@ -80,6 +80,7 @@ void SimulatedStore::cut_power() {
   COSIVA_EXPECT(commit_ == nullptr);
   faults_.dead = false;
   faults_.dies_at = 0;
+  faults_.on_death = {};
   disk_.fail_power();
 }
 
@@ -118,6 +119,7 @@ Result<void> SimulatedStore::open() {
   auto content = recover();
   if (!content) {
     if (content.error().code.starts_with("store.")) fail_history(to_string(content.error()));
+    if (faults_.dead) cut_power();  // while the server started
     return tl::unexpected<Error>(content.error());
   }
   commit_ = std::make_unique<Commit>(disk_, content->next.value_or(journal::SegmentStart{0x5EED, 1, {}}));

@@ -38,7 +38,7 @@ class SimulatedStore final : public CoreStore {
   /// The disk refuses every n-th call with this error code from now on; an empty code: it works.
   void set_refusal(std::string code, std::uint64_t every_n);
   /// At the n-th call of the disk from now on, 1 being the next one, `action` is called, which kills the server; that
-  /// call and all later ones fail until cut_power(). 0: at none.
+  /// call and all later ones fail until cut_power(), which a call during open() implies. 0: at none.
   void at_call(std::uint64_t n, std::function<void()> action);
   /// The machine loses its power; the server has been killed before (checked).
   void cut_power();

@@ -65,6 +65,25 @@ TEST(SimulatedStore, has_an_accepted_command_after_a_power_cut_and_gives_it_once
   EXPECT_FALSE(fixture.store.violation());
 }
 
+TEST(SimulatedStore, has_an_accepted_command_after_a_power_cut_at_any_call_of_its_opening) {
+  int failed = 0;
+  for (std::uint64_t call = 1; call <= 20; ++call) {
+    Fixture fixture;
+    fixture.propose(slow);
+    fixture.run_for(10ms);
+    fixture.store.on_killed();
+    fixture.store.at_call(call, {});
+    if (!fixture.store.open()) {
+      ++failed;
+      ASSERT_TRUE(fixture.store.open()) << "power is back; call " << call;
+    }
+    EXPECT_EQ(fixture.store.left().accepted.size(), 1U) << "call " << call;
+    EXPECT_FALSE(fixture.store.violation()) << *fixture.store.violation();
+  }
+  EXPECT_GE(failed, 3) << "an opening lists the files, reads the last one, and replaces it";
+  EXPECT_LT(failed, 20);
+}
+
 TEST(SimulatedStore, loses_what_waited_for_less_than_a_commit_period) {
   Fixture fixture;
   fixture.store.append(fixture.now, input(wire::InputKind::persisted, "{}"));

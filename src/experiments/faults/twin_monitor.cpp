@@ -87,6 +87,7 @@ Finding TwinMonitor::check() const {
 
 std::set<std::string> TwinMonitor::off_circuit() const {
   const JsonValue json = snapshot();
+  const bool some_lost = moved_ || switched_;
   std::set<std::string> ids;
   for (Process aiv = 1; moved_ && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   for (const JsonValue& aiv : *json.find("aivs")->array()) {
@@ -95,11 +96,11 @@ std::set<std::string> TwinMonitor::off_circuit() const {
     if (errors == nullptr || errors->array() == nullptr) continue;
     for (const JsonValue& error : *errors->array())
       if (error.text() != nullptr &&
-          (error.text()->starts_with("offCircuit") || (moved_ && error.text()->starts_with("positionUnknown"))))
+          (error.text()->starts_with("offCircuit") || (some_lost && error.text()->starts_with("positionUnknown"))))
         ids.insert(aiv.text("id").value_or(""));
   }
-  // A vehicle that was moved may block all others.
-  for (Process aiv = 1; moved_ && !ids.empty() && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
+  // A vehicle that cannot be driven off may block all others.
+  for (Process aiv = 1; some_lost && !ids.empty() && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   return ids;
 }
 

@@ -11,10 +11,19 @@
 
 namespace cosiva::experiments {
 
-/// A process of a world: 0 is the server, N is the on-board program of AIV N, and the last number is the plant.
+/// A process of a world: 0 is the server, N is the on-board program of AIV N, the last number is the plant, and from
+/// first_other_server on there are the servers of other control areas.
 using Process = std::uint32_t;
 inline constexpr Process server_process = 0;
+inline constexpr Process first_other_server = 0xffff'0000;
 inline constexpr Process plant_process = 0xffff'ffff;
+
+[[nodiscard]] constexpr bool is_server(Process process) {
+  return process == server_process || (process >= first_other_server && process != plant_process);
+}
+[[nodiscard]] constexpr bool is_aiv(Process process) {
+  return process != server_process && process < first_other_server;
+}
 
 /// Faults of the processes, connections, broker and clocks of a world, and what its processes receive and do.
 class FaultInjection {
@@ -46,16 +55,16 @@ class FaultInjection {
   virtual void publish_from_outside(const wire::Publish& message) = 0;
   /// Publishes a message as if this process had done so, where it is linked.
   virtual void publish_from(Process process, const wire::Publish& message) = 0;
-  /// The plant dies. When it starts again, its vehicles are at their start positions, as on the live platform; the byte
-  /// streams of all boards are closed meanwhile.
-  virtual void kill_plant() = 0;
-  virtual void start_plant() = 0;
+  /// The process dies, or starts again; a process that has died has no effect. A plant that starts has its vehicles at
+  /// their start positions, as on the live platform; the byte streams of all boards are closed meanwhile.
+  virtual void kill(Process process) = 0;
+  virtual void start(Process process) = 0;
   /// Closes the byte streams of an AIV's boards, or opens them again, for both ends; a start of either end opens them.
   virtual void set_boards(Process aiv, bool open) = 0;
-  /// Gives an operator's command to the server as its HTTP interface does: a Stop at once, another command once the
+  /// Gives an operator's command to a server as its HTTP interface does: a Stop at once, another command once the
   /// server's store has it. `decided` is called when the interface would report success (202), or with the reason why
   /// not; never where the process dies before.
-  virtual void command(std::string json, std::function<void(const Result<void>&)> decided) = 0;
+  virtual void command(Process server, std::string json, std::function<void(const Result<void>&)> decided) = 0;
 
   /// Each may be empty.
   struct Observer {

@@ -51,10 +51,10 @@ TEST(FaultInjection, a_fleet_drives_again_from_its_start_after_the_plant_has_die
   const auto world = world_of(2);
   world->run_for(10s);
   EXPECT_GT(distance_m(*world, 1), 1.0);
-  world->faults().kill_plant();
+  world->faults().kill(plant_process);
   EXPECT_FALSE(world->faults().running(plant_process));
   world->run_for(2s);
-  world->faults().start_plant();
+  world->faults().start(plant_process);
   EXPECT_EQ(distance_m(*world, 1), 0.0) << "a new plant";
   EXPECT_TRUE(world->faults().linked(plant_process));
   world->run_for(30s);
@@ -109,6 +109,65 @@ TEST(FaultInjection, no_clock_of_a_vehicle_changes_what_the_server_sends) {
   EXPECT_GT(of_fast_clock.size(), 100'000U);
   EXPECT_TRUE(messages_of_server(-24h) == of_fast_clock);
   EXPECT_TRUE(messages_of_server(24h * 365 * 16) == of_fast_clock);
+}
+
+/// The servers of the control areas a and b of e2e/areas, and a vehicle in each.
+std::unique_ptr<World> world_of_two_servers() {
+  const auto area = [](const std::string& name) {
+    return zone::testing::configuration_file("../e2e/areas/" + name + ".toml");
+  };
+  WorldOptions options;
+  options.zone = area("floor");
+  options.aivs = 2;
+  options.server.area = "a";
+  options.server.zone = area("area_a");
+  options.other_servers.emplace_back();
+  options.other_servers.back().options.area = "b";
+  options.other_servers.back().options.zone = area("area_b");
+  auto world = World::make(std::move(options));
+  EXPECT_TRUE(world) << (world ? "" : to_string(world.error()));
+  return std::move(*world);
+}
+
+TEST(FaultInjection, servers_of_two_control_areas_each_drive_the_vehicle_in_their_area) {
+  const auto world = world_of_two_servers();
+  world->run_for(10s);
+  EXPECT_TRUE(fleet_is_complete(world->server(), 1));
+  EXPECT_TRUE(fleet_is_complete(world->server(first_other_server), 1));
+  EXPECT_GT(distance_m(*world, 1), 1.0);
+  EXPECT_GT(distance_m(*world, 2), 1.0);
+}
+
+TEST(FaultInjection, a_server_of_another_control_area_dies_and_restarts_by_itself) {
+  const auto world = world_of_two_servers();
+  world->run_for(5s);
+  world->faults().kill(first_other_server);
+  EXPECT_FALSE(world->faults().running(first_other_server));
+  EXPECT_TRUE(world->faults().running(server_process));
+  world->run_for(3s);
+  const double first_m = distance_m(*world, 1);
+  const double second_m = distance_m(*world, 2);
+  world->run_for(5s);
+  EXPECT_GT(distance_m(*world, 1), first_m + 1.0);
+  EXPECT_NEAR(distance_m(*world, 2), second_m, 1e-3) << "no server takes the vehicles of another one that is down";
+  world->faults().start(first_other_server);
+  world->run_for(10s);
+  EXPECT_GT(distance_m(*world, 2), second_m + 1.0);
+}
+
+TEST(FaultInjection, a_command_reaches_the_server_that_it_is_given_to) {
+  const auto world = world_of_two_servers();
+  world->run_for(5s);
+  bool decided = false;
+  world->faults().command(first_other_server, R"({"command":"stop","vehicle":"*"})",
+                          [&](const Result<void>& result) { decided = result.has_value(); });
+  EXPECT_TRUE(decided);
+  world->run_for(3s);
+  const double first_m = distance_m(*world, 1);
+  const double second_m = distance_m(*world, 2);
+  world->run_for(3s);
+  EXPECT_GT(distance_m(*world, 1), first_m + 0.5);
+  EXPECT_NEAR(distance_m(*world, 2), second_m, 1e-3);
 }
 
 }  // namespace

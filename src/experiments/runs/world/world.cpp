@@ -83,8 +83,10 @@ struct Actor {
   std::vector<std::string> listens;
   std::vector<wire::Publish> unsent;             ///< QoS 1, while there is no link
   std::optional<std::uint64_t> effects_to_live;  ///< of the present process
+  /// Of a server; null: its state alone survives a crash.
+  std::shared_ptr<CoreStore> store;
   /// Commands that an earlier process accepted and that the core was not given yet, and behind them those accepted
-  /// since; of the server only.
+  /// since; of a server only.
   std::deque<std::pair<std::string, CoreStore::Decided>> earlier_commands;
   ProcessClock clock;
 };
@@ -121,11 +123,33 @@ Result<std::unique_ptr<physical::PlantCore>> make_plant(const WorldOptions& opti
 
 }  // namespace
 
-struct World::Impl {
+/// Which actor is which process: the plant, the first server, the vehicles, and the servers of other control areas.
+struct ActorTable {
   using ActorId = std::size_t;
   static constexpr ActorId plant_id = 0;
   static constexpr ActorId server_id = 1;
   static constexpr ActorId first_aiv_id = 2;
+
+  std::uint32_t aivs;
+  std::vector<CoreStore*> stores{};  ///< of all servers that have one
+
+  [[nodiscard]] ActorId first_other() const { return first_aiv_id + aivs; }
+  [[nodiscard]] bool is_aiv(ActorId id) const { return id >= first_aiv_id && id < first_other(); }
+  [[nodiscard]] bool is_server(ActorId id) const { return id == server_id || id >= first_other(); }
+  [[nodiscard]] Process process_of(ActorId id) const {
+    return static_cast<Process>(id < first_other() ? id - server_id : first_other_server + id - first_other());
+  }
+  [[nodiscard]] ActorId actor_of(Process process) const {
+    if (process == plant_process) return plant_id;
+    return process < first_other_server ? server_id + process : first_other() + process - first_other_server;
+  }
+};
+
+struct World::Impl {
+  using ActorId = ActorTable::ActorId;
+  static constexpr ActorId plant_id = ActorTable::plant_id;
+  static constexpr ActorId server_id = ActorTable::server_id;
+  static constexpr ActorId first_aiv_id = ActorTable::first_aiv_id;
 
   struct Tick {
     SimTime at;
@@ -149,8 +173,12 @@ struct World::Impl {
   SimTime now{virtual_epoch};
   wire::Network network;
   std::vector<Actor> actors;
-  std::vector<zone::TrackPosition> start_positions;
-  std::vector<std::string> section_names;
+  ActorTable table;
+  struct Starts {
+    std::vector<zone::TrackPosition> positions;
+    std::vector<std::string> section_names;
+  };
+  Starts starts;
   std::priority_queue<Tick, std::vector<Tick>, std::greater<>> ticks;
   struct Streams {
     std::deque<Bytes> bytes;       ///< the delay is constant, so the order is first in, first out
@@ -181,6 +209,7 @@ struct World::Impl {
   std::unique_ptr<Faults> faults;
 
   explicit Impl(WorldOptions o);
+  void name_actors();
 
   void feed(ActorId id, wire::InputKind kind, std::string source, std::string payload, bool flag = false,
             std::shared_ptr<const wire::InProcessMessage> typed = {}) {
@@ -204,27 +233,26 @@ struct World::Impl {
   }
 
   void handle(ActorId id, const wire::Input& input) {
-    if (id != plant_id && observer().on_input) observer().on_input(process_of(id), input);
+    if (id != plant_id && observer().on_input) observer().on_input(table.process_of(id), input);
     const wire::Effects& effects = actors[id].runner->feed(input);
     if (id == server_id && handlers.server) handlers.server(input, effects);
     act(id, effects);
-    if (id == server_id) give_earlier_commands();
+    if (!actors[id].earlier_commands.empty()) give_earlier_commands(id);
   }
 
-  void give_earlier_commands() {
-    Actor& actor = actors[server_id];
+  void give_earlier_commands(ActorId server) {
+    Actor& actor = actors[server];
     if (actor.earlier_commands.empty() || !actor.alive || !actor.core->takes_earlier_commands()) return;
-    for (auto& [json, decided] : std::exchange(actor.earlier_commands, {})) give_stored(json, decided);
+    for (auto& [json, decided] : std::exchange(actor.earlier_commands, {})) give_stored(server, json, decided);
   }
 
-  /// Gives the server a command whose record is durable.
-  void give_stored(const std::string& json, const CoreStore::Decided& decided) {
-    if (!actors[server_id].alive) return;
-    feed(server_id, wire::InputKind::command, "http", json, true);
-    if (actors[server_id].alive && decided) decided({});
+  /// Gives a server a command whose record is durable.
+  void give_stored(ActorId server, const std::string& json, const CoreStore::Decided& decided) {
+    if (!actors[server].alive) return;
+    feed(server, wire::InputKind::command, "http", json, true);
+    if (actors[server].alive && decided) decided({});
   }
 
-  [[nodiscard]] static Process process_of(ActorId id) { return static_cast<Process>(id - server_id); }
   [[nodiscard]] const FaultInjection::Observer& observer() const;
   [[nodiscard]] bool broker_running() const;
 
@@ -236,11 +264,11 @@ struct World::Impl {
         kill(id);
         return;
       }
-      if (id != plant_id && watched.on_effect) watched.on_effect(process_of(id), effect);
+      if (id != plant_id && watched.on_effect) watched.on_effect(table.process_of(id), effect);
       if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
         if (handlers.published) handlers.published(now, actor.name, *publish);
         if (publish->topic == wire::plant_radio_topic) change_ether(publish->payload);
-        if (id == plant_id || !watched.passes || watched.passes(process_of(id), *publish))
+        if (id == plant_id || !watched.passes || watched.passes(table.process_of(id), *publish))
           publish_from(actor, now, network, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
         send_bytes(id, *send);
@@ -249,9 +277,8 @@ struct World::Impl {
         if (actor.linked) network.listen(now, actor.client, listen->filters);
       } else if (const auto* persist = std::get_if<wire::Persist>(&effect)) {
         actor.persisted = persist->bytes;
-        if (id == server_id && options.server_store)
-          options.server_store->append(now,
-                                       {actor.clock.read(now), wire::InputKind::persisted, {}, persist->bytes, false});
+        if (actor.store)
+          actor.store->append(now, {actor.clock.read(now), wire::InputKind::persisted, {}, persist->bytes, false});
       } else if (const auto* line = std::get_if<wire::Log>(&effect); line != nullptr && line->level != 'i') {
         if (log.size() < 10'000) log.push_back(to_iso8601(now) + " " + actor.name + " " + line->text);
       }
@@ -261,7 +288,7 @@ struct World::Impl {
   void change_ether(const std::string& json) {
     const auto radio = wire::radio_from_json(json);
     if (!radio) return;
-    for (ActorId id = first_aiv_id; id < actors.size(); ++id) {
+    for (ActorId id = first_aiv_id; id < table.first_other(); ++id) {
       Actor& actor = actors[id];
       if (radio->vehicle != "*" && radio->vehicle != std::string(wire::our_manufacturer) + "/" + actor.name) continue;
       actor.radio_loss = radio->loss;
@@ -271,7 +298,7 @@ struct World::Impl {
 
   void send_bytes(ActorId from, const wire::SendBytes& send) {
     const ActorId to = from == plant_id ? first_aiv_id + vehicle_of(send.port) - 1 : plant_id;
-    if (to >= actors.size() || !actors[to].alive) return;
+    if (to >= table.first_other() || !actors[to].alive) return;
     streams.bytes.push_back({now + stream_delay, to, actors[to].generation, send.typed});
     if (!send.typed) streams.texts.push_back({send.port, send.bytes});  // values identify their vehicle
   }
@@ -286,21 +313,21 @@ struct World::Impl {
     actor.listens.clear();
     actor.unsent.clear();
     CoreStore::Left left;
-    if (id == server_id && options.server_store)
-      left = options.server_store->left();
+    if (actor.store)
+      left = actor.store->left();
     else if (!actor.persisted.empty())
       left.persisted = actor.persisted;
     feed(id, wire::InputKind::configure, std::move(what), std::move(configuration));
     if (left.persisted) feed(id, wire::InputKind::restore, "state", std::move(*left.persisted));
     for (wire::Input& command : left.accepted) actor.earlier_commands.emplace_back(std::move(command.payload), nullptr);
-    if (id == server_id) give_earlier_commands();
+    give_earlier_commands(id);
     ticks.push({first_tick(actor, now, options.cycle.has_value()), sequence++, id, actor.generation});
     link(id);
   }
 
   [[nodiscard]] wire::CoreRunner::Recorder recorder(ActorId id) {
-    if (id != server_id || !options.server_store) return {};
-    return [this](const wire::Input& input) { options.server_store->append(now, input); };
+    if (!actors[id].store) return {};
+    return [this, store = actors[id].store.get()](const wire::Input& input) { store->append(now, input); };
   }
 
   void link(ActorId id) {
@@ -317,7 +344,7 @@ struct World::Impl {
   void kill(ActorId id) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
-    if (id >= first_aiv_id && options.as_values) {
+    if (table.is_aiv(id) && options.as_values) {
       // The state was not written ten times per second; it is read from the dead core instead.
       std::string persisted = static_cast<const aiv::OnboardCore&>(*actor.core).persisted_bytes();
       if (!persisted.empty()) actor.persisted = std::move(persisted);
@@ -327,10 +354,10 @@ struct World::Impl {
     finished.add(actor.runner->digest().value());
     if (std::exchange(actor.linked, false)) network.break_connection(now, actor.client);
     actor.earlier_commands.clear();
-    if (id == server_id && options.server_store) options.server_store->on_killed();
-    if (id >= first_aiv_id) notify_ports(id, plant_id, "down");
-    for (ActorId aiv = first_aiv_id; id == plant_id && aiv < actors.size(); ++aiv) notify_ports(aiv, aiv, "down");
-    if (observer().on_killed) observer().on_killed(process_of(id));
+    if (actor.store) actor.store->on_killed();
+    if (table.is_aiv(id)) notify_ports(id, plant_id, "down");
+    for (ActorId aiv = first_aiv_id; id == plant_id && aiv < table.first_other(); ++aiv) notify_ports(aiv, aiv, "down");
+    if (observer().on_killed) observer().on_killed(table.process_of(id));
   }
 
   /// Informs `to` that the byte streams of an AIV's boards appeared or disappeared.
@@ -353,8 +380,8 @@ struct World::Impl {
     onboard.as_values = options.as_values;
     onboard.cycle = options.cycle.value_or(onboard.cycle);
     if (first_time) {
-      const zone::TrackPosition position = start_positions[number - 1];
-      onboard.start = {section_names[position.section], position.s_m};
+      const zone::TrackPosition position = starts.positions[number - 1];
+      onboard.start = {starts.section_names[position.section], position.s_m};
     }
     std::string configuration = aiv::to_json(onboard);
     start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
@@ -363,11 +390,15 @@ struct World::Impl {
     notify_ports(id, id, "up");
   }
 
-  void start_server() {
-    options.server.cycle = options.cycle.value_or(options.server.cycle);
-    options.server.as_values = options.as_values;
-    std::string configuration = virtual_side::to_json(options.server);
-    start(server_id, std::make_unique<virtual_side::ServerCore>(options.server), "server", std::move(configuration));
+  void start_server(ActorId id = server_id) {
+    COSIVA_EXPECT(table.is_server(id));
+    virtual_side::ServerOptions& server =
+        id == server_id ? options.server : options.other_servers[id - table.first_other()].options;
+    server.cycle = options.cycle.value_or(server.cycle);
+    server.as_values = options.as_values;
+    std::string configuration = virtual_side::to_json(server);
+    start(id, std::make_unique<virtual_side::ServerCore>(server), "server", std::move(configuration));
+    if (id != server_id) return;
     fleet_whole = false;
     next_check = now + check_period;
   }
@@ -376,8 +407,8 @@ struct World::Impl {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
     if (!streams.bytes.empty()) next = std::min(next, streams.bytes.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
-    if (options.server_store) {
-      if (const auto due_at = options.server_store->next_due()) next = std::min(next, std::max(now, *due_at));
+    for (CoreStore* const store : table.stores) {
+      if (const auto due_at = store->next_due()) next = std::min(next, std::max(now, *due_at));
     }
     if (player && !player->done() && actors[server_id].alive) next = std::min(next, next_check);
     return next;
@@ -398,8 +429,9 @@ struct World::Impl {
     next_check = player->next_due().value_or(SimTime::max());
   }
 
-  [[nodiscard]] const virtual_side::ServerCore& server() const {
-    return static_cast<const virtual_side::ServerCore&>(*actors[server_id].core);
+  [[nodiscard]] const virtual_side::ServerCore& server(ActorId id = server_id) const {
+    COSIVA_EXPECT(table.is_server(id));
+    return static_cast<const virtual_side::ServerCore&>(*actors[id].core);
   }
 
   void step() {
@@ -418,9 +450,8 @@ struct World::Impl {
     }
     if (const auto due_at = network.next_due(); due_at && *due_at <= now)
       network.deliver_due(now, [this](wire::Network::Delivery& delivery) { deliver(delivery); });
-    if (options.server_store) {
-      if (const auto due_at = options.server_store->next_due(); due_at && *due_at <= now)
-        options.server_store->work(now);
+    for (CoreStore* const store : table.stores) {
+      if (const auto due_at = store->next_due(); due_at && *due_at <= now) store->work(now);
     }
     play();
     while (!ticks.empty() && ticks.top().at <= now) {
@@ -508,20 +539,19 @@ class World::Impl::Faults final : public FaultInjection {
   void publish_from(Process process, const wire::Publish& message) override {
     if (actor(process).linked) world_.network.publish(world_.now, actor(process).client, message);
   }
-  void kill_plant() override { world_.kill(plant_id); }
-  void start_plant() override;
+  void kill(Process process) override { world_.kill(actor_of(process)); }
+  void start(Process process) override;
   void set_boards(Process aiv, bool open) override {
-    COSIVA_EXPECT(aiv != server_process && aiv != plant_process);
+    COSIVA_EXPECT(is_aiv(aiv));
     world_.notify_ports(actor_of(aiv), plant_id, open ? "up" : "down");
     world_.notify_ports(actor_of(aiv), actor_of(aiv), open ? "up" : "down");
   }
-  void command(std::string json, std::function<void(const Result<void>&)> decided) override;
+  void command(Process server, std::string json, std::function<void(const Result<void>&)> decided) override;
   void observe(Observer observer) override { observer_ = std::move(observer); }
 
  private:
-  [[nodiscard]] static ActorId actor_of(Process process) {
-    return process == plant_process ? plant_id : server_id + process;
-  }
+  void start_plant();
+  [[nodiscard]] ActorId actor_of(Process process) const { return world_.table.actor_of(process); }
   [[nodiscard]] Actor& actor(Process process) const {
     COSIVA_EXPECT(actor_of(process) < world_.actors.size());
     return world_.actors[actor_of(process)];
@@ -533,8 +563,14 @@ class World::Impl::Faults final : public FaultInjection {
   wire::Network::ClientId unknown_sender_{};
 };
 
+void World::Impl::Faults::start(Process process) {
+  COSIVA_EXPECT(!running(process));
+  if (process == plant_process) return start_plant();
+  if (is_aiv(process)) return world_.start_aiv(process, false);
+  world_.start_server(actor_of(process));
+}
+
 void World::Impl::Faults::start_plant() {
-  COSIVA_EXPECT(!running(plant_process));
   auto plant = make_plant(world_.options);
   COSIVA_EXPECT(plant);
   std::string configuration = physical::to_json((*plant)->options());
@@ -543,39 +579,70 @@ void World::Impl::Faults::start_plant() {
     if (running(aiv)) set_boards(aiv, true);
 }
 
-void World::Impl::Faults::command(std::string json, std::function<void(const Result<void>&)> decided) {
-  Actor& server = actor(server_process);
-  CoreStore* const store = world_.options.server_store.get();
+void World::Impl::Faults::command(Process process, std::string json, std::function<void(const Result<void>&)> decided) {
+  COSIVA_EXPECT(is_server(process));
+  const ActorId id = actor_of(process);
+  Actor& server = actor(process);
+  CoreStore* const store = server.store.get();
   if (!server.alive) return;
   if (store == nullptr || virtual_side::is_stop(virtual_side::DecodedCommand{json})) {
-    world_.feed(server_id, wire::InputKind::command, "http", std::move(json));
+    world_.feed(id, wire::InputKind::command, "http", std::move(json));
     if (store == nullptr) return decided({});
     if (server.alive) store->confirm(world_.now, std::move(decided));
     return;
   }
   wire::Input proposal{server.clock.read(world_.now), wire::InputKind::proposal, "http", json, false};
   store->propose(world_.now, std::move(proposal),
-                 [this, generation = server.generation, json = std::move(json),
+                 [this, id, generation = server.generation, json = std::move(json),
                   decided = std::move(decided)](const Result<void>& stored) {
-                   Actor& receiver = actor(server_process);
+                   Actor& receiver = world_.actors[id];
                    if (!receiver.alive || receiver.generation != generation) return;
                    if (!stored) return decided(stored);
-                   if (receiver.earlier_commands.empty()) return world_.give_stored(json, decided);
+                   if (receiver.earlier_commands.empty()) return world_.give_stored(id, json, decided);
                    receiver.earlier_commands.emplace_back(json, decided);
                  });
 }
 
 World::Impl::Impl(WorldOptions o)
-    : options{std::move(o)}, network{options.seed, options.network}, faults{std::make_unique<Faults>(*this)} {}
+    : options{std::move(o)},
+      network{options.seed, options.network},
+      table{options.aivs},
+      faults{std::make_unique<Faults>(*this)} {}
 
 const FaultInjection::Observer& World::Impl::observer() const { return faults->observer(); }
 bool World::Impl::broker_running() const { return faults->broker_running(); }
+
+void World::Impl::name_actors() {
+  actors.resize(table.first_other() + options.other_servers.size());
+  actors[plant_id].name = "plant";
+  Actor& server = actors[server_id];
+  server.name = "server";
+  server.tick_offset = options.cycle ? server_after : SimDuration{microseconds{500}};
+  server.store = options.server_store;
+  for (std::uint32_t number = 1; number <= options.aivs; ++number) {
+    Actor& actor = actors[first_aiv_id + number - 1];
+    actor.name = "AIV" + std::to_string(number);
+    // Vehicles are switched on one after another; their timers are never in phase.
+    actor.tick_offset = microseconds{1300} * number % milliseconds{20};
+    if (options.cycle) actor.tick_offset = vehicles_after + microseconds{130} * number % vehicles_within;
+  }
+  for (std::size_t i = 0; i < options.other_servers.size(); ++i) {
+    Actor& other = actors[table.first_other() + i];
+    other.name = "server " + options.other_servers[i].options.area;
+    other.tick_offset = server.tick_offset;
+    other.store = options.other_servers[i].store;
+  }
+  for (const Actor& actor : actors)
+    if (actor.store) table.stores.push_back(actor.store.get());
+}
 
 World::World() = default;
 World::~World() = default;
 
 Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   COSIVA_EXPECT(!options.as_values || !options.server_store);
+  for (const OtherServer& other : options.other_servers)
+    COSIVA_EXPECT(!options.server.area.empty() && !other.options.area.empty() && (!options.as_values || !other.store));
   auto rtm = zone::RtmBuilder{options.rtm}.build(options.zone);
   if (!rtm) return tl::unexpected(rtm.error());
   options.rtm = *rtm;
@@ -590,26 +657,18 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   std::unique_ptr<World> world{new World};
   world->impl_ = std::make_unique<Impl>(std::move(options));
   Impl& inside = *world->impl_;
-  inside.start_positions = zone.start_positions(inside.options.aivs);
+  inside.starts.positions = zone.start_positions(inside.options.aivs);
   for (zone::SectionId id = 0; id < zone.circuit.size(); ++id) {
-    inside.section_names.push_back(zone.circuit.part(id).name);
+    inside.starts.section_names.push_back(zone.circuit.part(id).name);
   }
 
-  inside.actors.resize(Impl::first_aiv_id + inside.options.aivs);
-  inside.actors[Impl::plant_id].name = "plant";
-  inside.actors[Impl::server_id].name = "server";
-  inside.actors[Impl::server_id].tick_offset = inside.options.cycle ? server_after : SimDuration{microseconds{500}};
-  for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) {
-    Actor& actor = inside.actors[Impl::first_aiv_id + number - 1];
-    actor.name = "AIV" + std::to_string(number);
-    // Vehicles are switched on one after another; their timers are never in phase.
-    actor.tick_offset = microseconds{1300} * number % milliseconds{20};
-    if (inside.options.cycle) actor.tick_offset = vehicles_after + microseconds{130} * number % vehicles_within;
-  }
+  inside.name_actors();
 
   const std::string plant_configuration = physical::to_json((*plant)->options());
   inside.start(Impl::plant_id, std::move(*plant), "plant", plant_configuration);
   inside.start_server();
+  for (std::size_t i = 0; i < inside.options.other_servers.size(); ++i)
+    inside.start_server(inside.table.first_other() + i);
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
   inside.faults->connect_unknown_sender();
   return world;
@@ -655,7 +714,10 @@ void World::observe_server(ServerObserver observer) { impl_->handlers.server = s
 const physical::PlantCore& World::plant() const {
   return static_cast<const physical::PlantCore&>(*impl_->actors[Impl::plant_id].core);
 }
-const virtual_side::ServerCore& World::server() const { return impl_->server(); }
+const virtual_side::ServerCore& World::server(Process process) const {
+  COSIVA_EXPECT(is_server(process));
+  return impl_->server(impl_->table.actor_of(process));
+}
 const aiv::OnboardCore& World::aiv(std::uint32_t number) const {
   return static_cast<const aiv::OnboardCore&>(*impl_->actors[Impl::first_aiv_id + number - 1].core);
 }

@@ -22,6 +22,12 @@
 
 namespace cosiva::experiments {
 
+/// The server of another control area, on the same broker.
+struct OtherServer {
+  virtual_side::ServerOptions options;
+  std::shared_ptr<CoreStore> store{};  ///< as WorldOptions::server_store
+};
+
 struct WorldOptions {
   zone::ZoneConfiguration zone;
   std::uint32_t aivs{4};
@@ -46,6 +52,9 @@ struct WorldOptions {
   /// Stores the server's inputs and state; null: its state alone survives a crash, at once. Not together with
   /// `as_values` (checked), because a store needs texts.
   std::shared_ptr<CoreStore> server_store{};
+  /// Processes first_other_server, first_other_server + 1, …: with several servers each has a control area
+  /// (ServerOptions::area) and a zone of its own, and `zone` is the floor with all their paths.
+  std::vector<OtherServer> other_servers{};
 };
 
 /// Whether an experiment's run with this seed passes messages on as values: all but one seed in ten, which keeps the
@@ -93,7 +102,8 @@ class World {
   void observe_server(ServerObserver observer);
 
   [[nodiscard]] const physical::PlantCore& plant() const;
-  [[nodiscard]] const virtual_side::ServerCore& server() const;
+  /// @param process  of a server (checked)
+  [[nodiscard]] const virtual_side::ServerCore& server(Process process = server_process) const;
   [[nodiscard]] const aiv::OnboardCore& aiv(std::uint32_t number) const;
   [[nodiscard]] const wire::Network& network() const;
   /// Warnings and errors that the cores logged, with time and name; at most 10 000.

@@ -3,6 +3,7 @@
 #include "cosiva/virtual/server/commands/command_ids.h"
 #include "cosiva/virtual/server/commands/commands.h"
 #include "cosiva/virtual/server/commands/intention_enforcer.h"
+#include "cosiva/virtual/server/context/awaited_vehicles.h"
 #include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/orders/deadlocks.h"
 #include "cosiva/virtual/server/orders/mission_requests.h"
@@ -23,6 +24,7 @@ struct MasterControl {
   Missions missions{served.registry, served.publisher};
   MissionRequests mission_requests{served.registry, served.publisher, missions};
   PersistedMissions persisted_missions{served.registry, missions};
+  AwaitedVehicles awaited{served};
   OrderManager orders{served.registry,
                       traffic,
                       served.publisher,

@@ -173,6 +173,8 @@ void Ownership::hand_over_arrived() {
     const std::string& beyond = master_.missions.mission(v).beyond;
     if (beyond.empty() || master_.missions.state(v) != Missions::State::arrived || master_.orders.has_order(v))
       continue;
+    // The other server would not know of the Stop, and this one would enforce it when the vehicle returns.
+    if (master_.intentions.of(proxy.name()).stopped) continue;
     const std::string area = beyond.substr(0, beyond.find('/'));
     const bool there =
         proxy.online() && !proxy.lost(context_.now, context_.options.lost_after) && proxy.position.known();

@@ -397,6 +397,23 @@ TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_failed) {
   ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
 }
 
+TEST(ControlAreas, hand_over_no_vehicle_that_an_operator_has_stopped_until_it_is_restarted) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  fixture.run_for(2s);
+  fixture.go("a", "b/rack_b");
+  fixture.kill("b");
+  fixture.run_for(20s);
+  fixture.send_command("a", R"({"command":"stop","vehicle":"CoSiVA/AIV1"})");
+  fixture.run_for(1s);
+  fixture.start("b");
+  fixture.run_for(10s);
+  EXPECT_THAT(fixture.table("a"), ElementsAre(aiv1)) << "area b would not know of the Stop";
+  EXPECT_THAT(fixture.table("b"), IsEmpty());
+  fixture.send_command("a", R"({"command":"restart","vehicle":"CoSiVA/AIV1"})");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.mission("b") == "rack_b, arrived"; }, 40s));
+}
+
 TEST(ControlAreas, publish_the_owner_again_when_the_broker_has_lost_it) {
   ControlAreasFixture fixture;
   fixture.in_a();

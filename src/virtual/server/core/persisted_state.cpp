@@ -87,6 +87,7 @@ std::string PersistedState::to_json() const {
   for (const AivProxy& proxy : context_.registry)
     if (proxy.settings.paused_for_body()) json.value(proxy.name());
   json.end_array();
+  master_.awaited.write(json);
   zones_.write_state(json);
   if (!master_.intentions.empty()) master_.intentions.write(json.key("intentions"));
   if (!master_.command_ids.empty()) master_.command_ids.write(json.key("commandIds"));
@@ -123,6 +124,7 @@ void PersistedState::restore(std::string_view bytes) {
     context_.publisher.log('w', "some persisted intentions of operators cannot be read; they are skipped");
   if (const JsonValue* ids = state->find("commandIds"); ids != nullptr && !master_.command_ids.restore(*ids))
     context_.publisher.log('w', "some persisted ids of commands cannot be read; they are skipped");
+  if (const JsonValue* names = state->find("vehicles")) master_.awaited.restore(*names);
   if (const JsonValue* traffic_state = state->find("traffic")) master_.persisted_missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {

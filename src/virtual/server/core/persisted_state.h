@@ -16,7 +16,7 @@
 namespace cosiva::virtual_side {
 
 /// The content of the server's state file, which survives a crash of the process: the virtual world, the zone's edits,
-/// the missions.
+/// the missions, which vehicles there were.
 /// Invariant: a state is persisted only when it differs from the last one, and never before the zone data of the file
 /// have been restored.
 class PersistedState {

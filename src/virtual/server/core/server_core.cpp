@@ -73,8 +73,8 @@ void ServerCore::Impl::archive(Archive& archive) {
   archive(unknown.logged, unknown.logged_at, unknown.unlogged, unknown.excess, unknown.excess_at);
   archive(zones);
   MasterControl& master = parts.master;
-  archive(master.traffic, master.actions, master.missions, master.persisted_missions, master.orders, master.deadlocks,
-          master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
+  archive(master.traffic, master.actions, master.missions, master.persisted_missions, master.awaited, master.orders,
+          master.deadlocks, master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
   AugmentedParts& augmented = parts.augmented;
   archive(augmented.hosted, augmented.pauses, augmented.virtual_obstacles);
   archive(parts.instruments.batteries, parts.instruments.gvs);
@@ -112,7 +112,8 @@ void ServerCore::Impl::drive() {
   parts.master.traffic.set_time(context.now);
   zones.change().follow();
   parts.master.enforcer.tick();
-  parts.master.orders.tick(context.options.drive, zones.change().may_send_orders(), context.options.lost_after);
+  const bool drive = parts.master.awaited.have_reported() && context.options.drive;
+  parts.master.orders.tick(drive, zones.change().may_send_orders(), context.options.lost_after);
   parts.master.deadlocks.tick();
   ownership.claim_and_hand_over();
 }

@@ -163,6 +163,7 @@ void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
   context_.traces.add(context_.now, proxy.name(), "AIV_Server", "state", summary_of(**message), input.source,
                       input.payload);
   const ReportedState::Change change = proxy.reported_state.on_state(std::move(*message), context_.link.up());
+  if (!change.before && !proxy.augmented()) context_.state_stale = true;  // it is awaited after a restart
   const wire::State& state = *proxy.state();
   const SimTime reported_at = checks_.server_time(proxy, state.header.timestamp);
   on_report(vehicle, reported_at);
