@@ -101,10 +101,14 @@ Finding CommandLedger::on_given(const std::string& json, bool stored) {
 }
 
 Finding CommandLedger::check_aivs(const OperatorState& found, const std::vector<wire::Input>& added) const {
-  OperatorState expected = found;
-  for (const wire::Input& command : added) expected.take(command.payload);
+  OperatorState expected = state_;
+  OperatorState then = found;
+  for (const wire::Input& command : added) {
+    expected.take(command.payload);
+    then.take(command.payload);
+  }
   for (const std::string& id : aivs_)
-    if (state_.aivs().contains(id) && !expected.aivs().contains(id))
+    if (expected.aivs().contains(id) && !then.aivs().contains(id))
       return Violation{"I2", "virtual AIV " + id + " is not in the zone any more, although it was not removed"};
   return std::nullopt;
 }

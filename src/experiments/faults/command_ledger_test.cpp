@@ -76,6 +76,23 @@ TEST(CommandLedger, finds_a_virtual_aiv_that_was_lost_and_one_that_comes_back) {
   EXPECT_EQ(back->invariant, "I2");
 }
 
+TEST(CommandLedger, permits_a_virtual_aiv_to_be_removed_by_a_durable_command_that_the_restarted_server_is_given) {
+  const std::string add = R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"a","s":0.3}})";
+  const std::string remove = R"({"command":"remove","id":"V1"})";
+  const std::string with = R"({"aivs":[{"id":"V1","section":"a","s":0.3}]})";
+  SimulatedStore store{1, Planted::none};
+  ASSERT_TRUE(store.open());
+  store.propose({}, {{}, wire::InputKind::proposal, "http", remove, false}, [](const Result<void>&) {});
+  for (auto due = store.next_due(); due; due = store.next_due()) store.work(*due);
+  CommandLedger ledger{store};
+  ledger.on_submitted(add);
+  EXPECT_FALSE(ledger.on_given(add, false));
+  EXPECT_FALSE(ledger.on_persisted(with));
+  ledger.on_submitted(remove);
+  ledger.on_killed();
+  EXPECT_FALSE(ledger.on_start({with, {{{}, wire::InputKind::command, "http", remove, true}}}));
+}
+
 TEST(CommandLedger, finds_a_virtual_aiv_that_a_restart_has_lost) {
   const std::string add = R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv","section":"a","s":0.3}})";
   const SimulatedStore store{1, Planted::none};
