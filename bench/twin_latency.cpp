@@ -305,7 +305,7 @@ class MeasuredServer {
     shell_ = std::make_unique<adapters::LiveShell>(loop_, core_, std::move(live));
     if (auto started = shell_->start(); !started) return started;
     if (!loop_.run_until([this] { return shell_->link_up(); }, milliseconds{5000}))
-      return fail("bench.broker", "the server found no broker");
+      return fail("twin_latency.broker", "the server found no broker");
     thread_ = std::thread{[this] { loop_.run(); }};
     return {};
   }

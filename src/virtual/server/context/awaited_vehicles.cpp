@@ -8,8 +8,10 @@
 namespace cosiva::virtual_side {
 namespace {
 
+/// A vehicle that has signed off has no base any more.
 bool reports(const AivProxy& proxy) {
-  return proxy.state() != nullptr && !proxy.augmented() && !proxy.retired() && !proxy.membership.handed_over();
+  return proxy.state() != nullptr && !proxy.augmented() && !proxy.retired() && !proxy.membership.handed_over() &&
+         proxy.connection.state() != wire::ConnectionState::offline;
 }
 
 }  // namespace

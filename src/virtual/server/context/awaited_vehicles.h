@@ -26,7 +26,8 @@ class AwaitedVehicles {
 
   explicit AwaitedVehicles(ServerContext& context) : context_{context} {}
 
-  /// Adds "vehicles":["CoSiVA/AIV1"…], those that report to this server and those awaited; no field without any.
+  /// Adds "vehicles":["CoSiVA/AIV1"…]: those that report to this server, unless they have signed off, and those
+  /// awaited; no field without any.
   void write(JsonWriter& json) const;
   /// Restores what write() wrote; items that are no names are skipped.
   void restore(const JsonValue& names);
