@@ -275,7 +275,8 @@ export class Platform extends Program {
     mkdirSync(target, { recursive: true });
     writeFileSync(path.join(target, 'up.txt'), this.words);
     if (!existsSync(this.log_dir)) return;
-    for (const name of readdirSync(this.log_dir)) writeFileSync(path.join(target, name), readFileSync(path.join(this.log_dir, name)));
+    for (const file of readdirSync(this.log_dir, { withFileTypes: true }))
+      if (file.isFile()) writeFileSync(path.join(target, file.name), readFileSync(path.join(this.log_dir, file.name)));
   }
 }
 
