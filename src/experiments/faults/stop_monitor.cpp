@@ -59,6 +59,8 @@ Finding StopMonitor::at_rest(const OperatorState& state) const {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     if (state.stopped(vehicles_[i].name) && ground_truth[i].speed_mps > at_rest_mps)
       return Violation{"I6", vehicles_[i].name + " drives, although a Stop holds and no fault is left"};
+    if (state.stopped(vehicles_[i].name) && !vehicles_[i].paused)
+      return Violation{"I6", vehicles_[i].name + " does not report that it is stopped, although no fault is left"};
   }
   return std::nullopt;
 }
