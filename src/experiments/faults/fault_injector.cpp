@@ -13,6 +13,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 /// A broker ends a connection after one and a half times the client's keep-alive of 5 s without a message.
+constexpr SimDuration step_duration = milliseconds{20};
 constexpr SimDuration connection_ends_after = milliseconds{7500};
 constexpr SimDuration reconnect_min = milliseconds{50};
 constexpr SimDuration reconnect_max = seconds{2};
@@ -48,6 +49,14 @@ FaultInjector::FaultInjector(World& world, const Stores& stores, Persons& person
 std::optional<SimTime> FaultInjector::next_fault() const {
   if (next_ == faults_.size()) return std::nullopt;
   return epoch_ + faults_[next_].at;
+}
+
+void FaultInjector::run_step() {
+  const SimTime now = world_.now();
+  SimTime next = now + step_duration;
+  if (const auto fault = next_fault(); fault && *fault > now) next = std::min(next, *fault);
+  world_.run_for(next - now);
+  step();
 }
 
 void FaultInjector::step() {

@@ -31,8 +31,8 @@ class FaultInjector {
   FaultInjector(World& world, const Stores& stores, Persons& persons, std::vector<Fault> faults, std::uint32_t aivs,
                 std::uint64_t seed, Planted planted, Handlers handlers);
 
-  /// Begins and ends everything that is due.
-  void step();
+  /// Runs the world to the next fault, by 20 ms at most, and begins and ends everything that is due then.
+  void run_step();
   /// Ends all faults: no more are injected, processes restart and connect at once.
   /// @return  the longest delay of a message that is in transit
   SimDuration end_faults();
@@ -43,13 +43,15 @@ class FaultInjector {
   /// Whether a message of the server reaches the network: every one does, unless a defect is planted.
   [[nodiscard]] bool passes(const wire::Publish& message);
 
-  /// When the next fault begins; nothing: none is left.
-  [[nodiscard]] std::optional<SimTime> next_fault() const;
   /// All processes are running and linked.
   [[nodiscard]] bool whole() const;
   [[nodiscard]] std::uint64_t server_starts() const { return server_starts_; }
 
  private:
+  /// Begins and ends everything that is due.
+  void step();
+  /// When the next fault begins; nothing: none is left.
+  [[nodiscard]] std::optional<SimTime> next_fault() const;
   void begin(const Fault& fault);
   void crash(const Fault& fault);
   void cut_power(const Fault& fault);

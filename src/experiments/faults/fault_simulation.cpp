@@ -24,7 +24,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr SimDuration step_duration = milliseconds{20};
 constexpr SimDuration view_period = milliseconds{500};
 /// I10, and the time within which every vehicle drives again: a vehicle that died on a crossing has to be driven off.
 constexpr SimDuration fresh_within = seconds{2};
@@ -33,7 +32,6 @@ constexpr SimDuration steady_within = seconds{5};
 constexpr SimDuration drives_within = seconds{120};
 constexpr SimDuration steps_in_within = seconds{5};
 constexpr double drives_m = 0.3;
-constexpr std::size_t waiting_bytes_max = std::size_t{64} << 20U;
 
 constexpr std::string_view switch_command_begin = R"({"command":"switch")";
 
@@ -150,16 +148,10 @@ class Simulation {
 
   /// Runs to the next fault, by one step at most.
   void step() {
-    const SimTime now = world_->now();
-    SimTime next = now + step_duration;
-    if (const auto fault = injector_->next_fault(); fault && *fault > now) next = std::min(next, *fault);
-    world_->run_for(next - now);
-    injector_->step();
+    injector_->run_step();
     found(stops_->step(ledger_.state(), world_->faults()));
     found(persons_->check());
-    if (store_->violation()) found(Violation{"I1", *store_->violation()});
-    if (store_->waiting_bytes() > waiting_bytes_max)
-      found(Violation{"I9", std::to_string(store_->waiting_bytes()) + " bytes wait for the disk"});
+    found(store_->check());
     if (world_->now() < view_at_ || !world_->faults().running(server_process)) return;
     view_at_ = world_->now() + view_period;
     found(twins_->check());

@@ -33,7 +33,6 @@ constexpr Process server_a = server_process;
 constexpr Process server_b = first_other_server;
 constexpr std::array servers{server_a, server_b};
 
-constexpr SimDuration step_duration = milliseconds{20};
 constexpr SimDuration query_period = milliseconds{200};
 constexpr SimDuration linked_within = seconds{2};
 /// The owners that a broker lost are published again, and a vehicle without an owner is claimed.
@@ -41,7 +40,6 @@ constexpr SimDuration owned_within = seconds{10};
 constexpr SimDuration arrives_within = seconds{180};
 constexpr double drives_m = 0.3;
 constexpr double commands_per_minute = 8.0;  ///< to each vehicle
-constexpr std::size_t waiting_bytes_max = std::size_t{64} << 20U;
 constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
 constexpr std::string_view send_prefix = "send to the other control area: ";
 
@@ -183,18 +181,12 @@ class Handovers {
 
   /// Runs to the next fault, by one step at most.
   void step() {
-    const SimTime now = world_->now();
-    SimTime next = now + step_duration;
-    if (const auto fault = injector_->next_fault(); fault && *fault > now) next = std::min(next, *fault);
-    world_->run_for(next - now);
-    injector_->step();
+    injector_->run_step();
     found(persons_->check());
     std::map<Process, std::set<std::string>> commanded_by;
     for (const Process server : servers) {
       if (world_->faults().running(server)) commanded_by[server] = commanded(server);
-      if (store(server).violation()) found(Violation{"I1", *store(server).violation()});
-      if (store(server).waiting_bytes() > waiting_bytes_max)
-        found(Violation{"I9", std::to_string(store(server).waiting_bytes()) + " bytes wait for the disk"});
+      found(store(server).check());
     }
     if (options_.planted == Planted::retained_vehicle && commanded_by.contains(server_a)) {
       ever_commanded_.merge(std::set{commanded_by[server_a]});

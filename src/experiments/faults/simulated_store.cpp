@@ -18,6 +18,7 @@ constexpr SimDuration split_within = milliseconds{5};
 constexpr double split_chance = 0.3;
 /// Smaller than live, so that segments end during a short simulation.
 constexpr std::size_t segment_bytes = std::size_t{1} << 20U;
+constexpr std::size_t waiting_bytes_max = std::size_t{64} << 20U;
 constexpr std::size_t compacted_bytes = std::size_t{4} << 20U;
 
 std::string without_stops(const std::string& persisted) {
@@ -86,6 +87,13 @@ void SimulatedStore::cut_power() {
 
 void SimulatedStore::fail_history(const std::string& reason) {
   if (!violation_) violation_ = reason;
+}
+
+Finding SimulatedStore::check() const {
+  if (violation_) return Violation{"I1", *violation_};
+  if (waiting_bytes() > waiting_bytes_max)
+    return Violation{"I9", std::to_string(waiting_bytes()) + " bytes wait for the disk"};
+  return std::nullopt;
 }
 
 Result<journal::StoreContent> SimulatedStore::recover() {

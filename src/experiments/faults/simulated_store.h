@@ -12,6 +12,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/faults/planted.h"
 #include "cosiva/experiments/faults/store_history.h"
+#include "cosiva/experiments/faults/violation.h"
 #include "cosiva/experiments/runs/world/core_store.h"
 #include "cosiva/journal/store/batch.h"
 #include "cosiva/journal/store/restart.h"
@@ -51,6 +52,8 @@ class SimulatedStore final : public CoreStore {
   [[nodiscard]] const std::optional<std::string>& violation() const { return violation_; }
   /// Bytes that wait for the disk.
   [[nodiscard]] std::size_t waiting_bytes() const { return waiting_.records().size(); }
+  /// I1: violation(); I9: no more than 64 MiB wait for the disk.
+  [[nodiscard]] Finding check() const;
 
   [[nodiscard]] Left left() override;
   void append(SimTime now, const wire::Input& input) override;
