@@ -117,5 +117,5 @@ test('the virtual and the physical world perceive each other', { timeout: 240_00
   });
 
   assert.deepEqual(page.script_errors, []);
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

@@ -223,5 +223,5 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
   });
 
   assert.deepEqual([...page.script_errors, ...keys.script_errors], []);
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

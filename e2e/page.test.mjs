@@ -97,5 +97,5 @@ test('an operator watches, stops and restarts AIVs on the page', { timeout: 180_
   });
 
   assert.deepEqual(page.script_errors, []);
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

@@ -168,7 +168,7 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
     area = owners.slice(0, after).filter(({ id }) => id === traveller).at(-1)?.area;
     assert.equal(nodes[0].nodePosition.mapId, `area_${area}`);
   }
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 
   process.kill(b.program.pid, 'SIGKILL');
   await in_time('server b is gone', () => b.program.gone);
@@ -193,5 +193,5 @@ test('a vehicle goes from area to area and back, and never loses its twin', { ti
   }
   const driven = ground_truth.vehicle(2).distance;
   await in_time('it drives on', () => ground_truth.vehicle(2).distance > driven + 0.5, { within_ms: 15_000 });
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

@@ -86,5 +86,5 @@ test('two pages stay synchronised, and survive a restart of their server', { tim
   });
 
   assert.deepEqual([...one.script_errors, ...other.script_errors], []);
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

@@ -112,5 +112,5 @@ test('watchdogs by traffic', { timeout: 300_000 }, async (t) => {
     await all_go_on(ground_truth, 'the server went on');
   });
 
-  assert.equal(ground_truth.collisions, 0);
+  ground_truth.assert_no_collision();
 });

@@ -118,7 +118,7 @@ test('tags and beacons are edited on the page', { timeout: 240_000 }, async (t) 
 
   await t.test('all vehicles drove on through every edit', async () => {
     for (const number of [1, 2, 3, 4]) await ground_truth.moves(number, 30_000);
-    assert.equal(ground_truth.collisions, 0);
+    ground_truth.assert_no_collision();
   });
   assert.deepEqual(page.script_errors, []);
 });

@@ -1,4 +1,5 @@
 // Observes the bus from outside: the plant's ground truth, and every message.
+import assert from 'node:assert/strict';
 import { finally_do } from './cleanup.mjs';
 import { connect } from 'mqtt';
 import { eventually, sleep } from './platform.mjs';
@@ -35,6 +36,8 @@ export class Truth {
     ground_truth.latest = null;
     ground_truth.received_ms = 0;
     ground_truth.collisions = 0;
+    ground_truth.last = [];
+    ground_truth.before_collisions = [];
     const bus = await Bus.open(t, port, ['cosiva/v1/plant/ground_truth']);
     bus.on_message((_topic, payload) => ground_truth.accept(JSON.parse(payload.toString())));
     await eventually('the plant publishes the ground truth', () => ground_truth.latest !== null, { within_ms: 10_000 });
@@ -47,9 +50,19 @@ export class Truth {
       const before = this.latest?.vehicles.find(({ number }) => number === vehicle.number);
       vehicle.distance = before ? before.distance + Math.hypot(vehicle.x - before.x, vehicle.y - before.y) : 0;
     }
+    this.last = [...this.last, news].slice(-30);
+    if (news.collisions > this.collisions) this.before_collisions.push(this.last);
     this.latest = news;
     this.received_ms = Date.now();
     this.collisions = news.collisions;
+  }
+
+  /** Fails with what the vehicles did in the three seconds before each collision. */
+  assert_no_collision() {
+    const line = ({ timestamp, vehicles }) =>
+      `${timestamp} ${vehicles.map(({ number, x, y, speed }) => `AIV${number} (${x.toFixed(3)}, ${y.toFixed(3)}) ${speed.toFixed(2)} m/s`).join(', ')}`;
+    const before = this.before_collisions.map((last) => last.map(line).join('\n'));
+    assert.equal(this.collisions, 0, `${this.collisions} collisions\n${before.join('\n\n')}`);
   }
 
   vehicle(number) {
@@ -76,6 +89,17 @@ export class Truth {
     const start = Date.now();
     await eventually(`AIV${number} is stopped in the ground truth`, () => Math.abs(this.vehicle(number).speed) < 0.01, { within_ms, every_ms: 20 });
     return Date.now() - start;
+  }
+
+  /**
+   * Waits until `number` has not moved for 0.7 s: a vehicle whose program is killed executes its last command for up to
+   * half a second more, and one that was about to start moves off although it is at rest at present.
+   */
+  async rests(number, within_ms) {
+    const end = Date.now() + within_ms;
+    while ((await this.driven(700)).get(number) > 0.0005) {
+      if (Date.now() > end) throw new Error(`not within ${within_ms} ms: AIV${number} rests in the ground truth`);
+    }
   }
 
   async moves(number, within_ms) {
