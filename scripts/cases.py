@@ -29,6 +29,8 @@ PATIENCE_S = 1200  # for all repetitions; a host was overloaded for up to four c
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
 END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
 OUTPUT_BYTES = "20000000"  # of a test, kept by ctest: a suite's output tells the results of its cases
+REASON = re.compile(r"^.*(?:\bnot ok \d|: Failure$|\b[Ee]rror: (?:\|-\n)?|\[  FAILED  \] |runtime error|Timeout).*$", re.MULTILINE)
+REASONS = 12  # lines of a failed test that the list at the end repeats
 CASE = re.compile(r"^\[ (?:      OK| FAILED ) \] ([^\s,]+).* \((\d+) ms\)$", re.MULTILINE)
 
 
@@ -56,6 +58,12 @@ class Case:
         self.suite = Suite(name, self.passed, self.seconds, self.output)
         self.still_ms = witness.still_ms(*span)
         self.excused = self.still_ms > min(STILL_MS, 1e3 * STILL_SHARE * self.seconds)
+
+    def reasons(self):
+        """The first lines of the output that name a failure; without any, its last line."""
+        lines = REASON.findall(self.output)[:REASONS] or self.output.rstrip().splitlines()[-1:]
+        one_line = (re.sub(r"\s*\n\s*", " ", line.strip()) for line in lines)
+        return "".join(f"\t    {line}\n" for line in one_line)
 
 
 def run_ctest(arguments, witness, on_line):
@@ -98,7 +106,7 @@ class Judge:
         for case in failed:
             self.say(f"\n--- {case.name}; the machine was suspended for {case.still_ms:.0f} ms of it\n{case.output}\n")
         if failed:
-            self.say("The following tests FAILED:\n" + "".join(f"\t{case.name} (Failed)\n" for case in failed))
+            self.say("The following tests FAILED:\n" + "".join(f"\t{case.name} (Failed)\n{case.reasons()}" for case in failed))
         return sum(case.suite.passed for case in cases.values()), sum(case.suite.failed for case in cases.values())
 
     def _progress(self, line):

@@ -16,6 +16,21 @@ from witness import Witness
 COUNTED = 'printf x >>"$0.$1"; test $(wc -c <"$0.$1") -ge "$1" || { echo "not yet, as <said>"; exit 1; }'
 
 
+NODE = """# Subtest: a stop holds
+    not ok 2 - a stop holds
+      ---
+      error: |-
+        not within 60000 ms: all drive
+      ...
+not ok 1 - accepted
+"""
+GOOGLE = """[ RUN      ] Plant.stops
+plant_test.cpp:12: Failure
+Expected equality of these values:
+[  FAILED  ] Plant.stops (3 ms)
+"""
+
+
 class Still:
     """A witness that reports suspensions of the given durations, the last one repeatedly."""
 
@@ -53,11 +68,20 @@ class Judged(unittest.TestCase):
                 counts, _, runs = self.judge([1], still_ms)
                 self.assertEqual((counts, runs), ((1, 0), [1]))
 
+    def test_the_list_at_the_end_repeats_the_lines_that_name_a_failure(self):
+        for output, reasons in ((NODE, ["not ok 2 - a stop holds", "error: |- not within 60000 ms: all drive", "not ok 1 - accepted"]),
+                                (GOOGLE, ["plant_test.cpp:12: Failure", "[  FAILED  ] Plant.stops (3 ms)"])):
+            file = self.folder / "output"
+            file.write_text(output)
+            extra = f'add_test("fails." sh -c [==[cat "{file}"; exit 1]==])\n'
+            _, said, _ = self.judge([1], 0, extra=extra)
+            self.assertTrue(said.endswith("\tfails. (Failed)\n" + "".join(f"\t    {line}\n" for line in reasons)), said)
+
     def test_a_failure_without_suspension_counts_and_is_reported_with_its_output(self):
         counts, said, runs = self.judge([1, 2], 0)
         self.assertEqual((counts, runs), ((1, 1), [1, 1]))
         self.assertIn("not yet, as <said>", said)
-        self.assertIn("FAILED:\n\tsome: passes at run 2. (Failed)", said)
+        self.assertIn("FAILED:\n\tsome: passes at run 2. (Failed)\n\t    not yet, as <said>\n", said)
 
     def test_a_failure_during_a_suspension_is_repeated_alone(self):
         counts, said, runs = self.judge([1, 3], cases.STILL_MS + 1)

@@ -28,11 +28,12 @@ wire::Publish PendingStops::message(Pending& pending, SimTime now) {
 PendingStops::Messages PendingStops::begin(const std::string& id, std::span<const wire::StopTarget> targets,
                                            SimTime now) {
   COSIVA_EXPECT(!id.empty());
+  forget_restarts(now);
   Messages messages;
   messages.reserve(targets.size());
   for (const wire::StopTarget& target : targets) {
     Pending& pending = pending_[target.state_topic];
-    pending = Pending{id, target, now, now, false, false};
+    pending = Pending{id, target, now, now, false, false, restarted(target.name)};
     messages.push_back(message(pending, now));
   }
   return messages;
@@ -58,11 +59,21 @@ bool PendingStops::on_state(std::string_view topic, std::string_view payload) {
   if (found == pending_.end()) return false;
   const auto state = wire::vda5050::decode_state(payload);
   if (!state || !state->paused) return false;
+  const Pending& pending = found->second;
+  if (pending.after_restart &&
+      std::ranges::find(state->action_states, pending.id, &wire::ActionState::action_id) == state->action_states.end())
+    return false;
   pending_.erase(found);
   return true;
 }
 
-bool PendingStops::lift(std::span<const std::string> vehicles) {
+void PendingStops::forget_restarts(SimTime now) {
+  std::erase_if(restarted_at_, [&](const auto& entry) { return now - entry.second > times_.restart_arrives_within; });
+}
+
+bool PendingStops::lift(std::span<const std::string> vehicles, SimTime now) {
+  forget_restarts(now);
+  for (const std::string& vehicle : vehicles) restarted_at_[vehicle] = now;
   const bool all = std::ranges::find(vehicles, "*") != vehicles.end();
   return std::erase_if(pending_, [&](const auto& entry) {
            return all || std::ranges::find(vehicles, entry.second.target.name) != vehicles.end();

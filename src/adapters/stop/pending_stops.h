@@ -19,8 +19,9 @@ namespace cosiva::adapters {
 ///
 /// A Stop is the instant action `startPause`; all vehicles get the Stop's id as the `actionId`, so that the core, which
 /// publishes the same Stop, and every repetition name one action, which a vehicle performs once. A state with `paused`
-/// confirms. The `headerId`s of these messages count from `first_header_id` on for each topic: VDA 5050 has each sender
-/// count the messages of a topic, the core counts from 0, and so neither uses an id of the other.
+/// confirms; soon after a restart, which may not have arrived yet at a vehicle that an earlier Stop has paused, only
+/// one that lists the action. The `headerId`s of these messages count from `first_header_id` on for each topic: VDA
+/// 5050 has each sender count the messages of a topic, the core counts from 0, and so neither uses an id of the other.
 ///
 /// Invariant: for a vehicle at most one Stop is pending, the latest, and it is due within its resend period.
 class PendingStops {
@@ -32,6 +33,7 @@ class PendingStops {
     /// After this time the vehicle is probably not connected, and the resend period is `resend_later`.
     std::chrono::milliseconds frequent_for{10'000};
     std::chrono::milliseconds resend_later{1'000};
+    std::chrono::milliseconds restart_arrives_within{10'000};
   };
   PendingStops() : PendingStops(Times{}) {}
   explicit PendingStops(Times times) : times_{times} {}
@@ -48,7 +50,7 @@ class PendingStops {
   /// A message has arrived on a topic. @return  whether it confirms a Stop
   bool on_state(std::string_view topic, std::string_view payload);
   /// The vehicles ("*": all) may drive again. @return  whether a Stop was pending for one of them
-  bool lift(std::span<const std::string> vehicles);
+  bool lift(std::span<const std::string> vehicles, SimTime now);
   /// The vehicles that the core knows now. A Stop ends where the core has lifted it, or does not know the vehicle any
   /// more. @return  whether one has ended
   bool know(std::span<const wire::StopTarget> targets);
@@ -72,13 +74,19 @@ class PendingStops {
     SimTime begun{};
     SimTime sent{};
     bool alarmed{false};
-    bool was_latched{false};  ///< the core has had this Stop
+    bool was_latched{false};    ///< the core has had this Stop
+    bool after_restart{false};  ///< an earlier restart may still arrive at the vehicle
   };
   [[nodiscard]] wire::Publish message(Pending& pending, SimTime now);
+  [[nodiscard]] bool restarted(const std::string& vehicle) const {
+    return restarted_at_.contains(vehicle) || restarted_at_.contains("*");
+  }
+  void forget_restarts(SimTime now);
 
   Times times_;
   std::map<std::string, Pending, std::less<>> pending_;               ///< by the vehicle's state topic
   std::map<std::string, std::uint32_t, std::less<>> last_header_id_;  ///< by the topic of the actions
+  std::map<std::string, SimTime, std::less<>> restarted_at_;          ///< by name, "*": all; the last ones
 };
 
 }  // namespace cosiva::adapters

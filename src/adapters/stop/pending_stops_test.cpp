@@ -24,8 +24,9 @@ wire::StopTarget target(const std::string& serial, bool latched = false) {
   return {to_string(id), id, wire::vda_topic(id, "instantActions"), wire::vda_topic(id, "state"), "2.1.0", latched};
 }
 
-std::string state(bool paused) {
+std::string state(bool paused, const std::string& action_id = {}) {
   wire::State state;
+  if (!action_id.empty()) state.action_states.push_back({action_id, "startPause", wire::ActionStatus::running, {}});
   state.header = {1, start, "2.1.0", "CoSiVA", "AIV1"};
   state.paused = paused;
   return wire::vda5050::encode(state);
@@ -140,11 +141,28 @@ TEST(PendingStops, raise_the_alarm_once_for_each_vehicle_after_500_ms) {
 TEST(PendingStops, end_for_the_vehicles_that_may_drive_again) {
   PendingStops stops;
   (void)stops.begin("S1", two, start);
-  EXPECT_FALSE(stops.lift(std::array<std::string, 1>{"CoSiVA/AIV9"}));
-  EXPECT_TRUE(stops.lift(std::array<std::string, 1>{"CoSiVA/AIV1"}));
+  EXPECT_FALSE(stops.lift(std::array<std::string, 1>{"CoSiVA/AIV9"}, start));
+  EXPECT_TRUE(stops.lift(std::array<std::string, 1>{"CoSiVA/AIV1"}, start));
   EXPECT_THAT(stops.unconfirmed(), ElementsAre(Pair("S1", ElementsAre("CoSiVA/AIV2"))));
-  EXPECT_TRUE(stops.lift(std::array<std::string, 1>{"*"}));
+  EXPECT_TRUE(stops.lift(std::array<std::string, 1>{"*"}, start));
   EXPECT_TRUE(stops.empty());
+}
+
+TEST(PendingStops, soon_after_a_restart_are_confirmed_only_by_a_state_that_lists_the_action) {
+  for (const std::string restarted : {"*", "CoSiVA/AIV1"}) {
+    PendingStops stops;
+    (void)stops.lift(std::array{restarted}, start);
+    (void)stops.begin("S2", two, start + 10s);
+    EXPECT_FALSE(stops.on_state(aiv1_state, state(true))) << "of the Stop before the restart";
+    EXPECT_FALSE(stops.on_state(aiv1_state, state(true, "S1")));
+    EXPECT_TRUE(stops.on_state(aiv1_state, state(true, "S2")));
+    (void)stops.begin("S3", two, start + 10'001ms);
+    EXPECT_TRUE(stops.on_state(aiv1_state, state(true))) << "the restart has arrived";
+  }
+  PendingStops stops;
+  (void)stops.lift(std::array<std::string, 1>{"CoSiVA/AIV2"}, start);
+  (void)stops.begin("S1", two, start);
+  EXPECT_TRUE(stops.on_state(aiv1_state, state(true))) << "another vehicle was restarted";
 }
 
 TEST(PendingStops, end_once_the_core_that_had_them_has_lifted_them) {

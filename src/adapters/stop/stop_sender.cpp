@@ -154,7 +154,7 @@ bool StopSender::send(const std::string& id, const std::vector<std::string>& veh
 
 void StopSender::lift(std::vector<std::string> vehicles) {
   impl_->thread.loop().post([impl = impl_.get(), vehicles = std::move(vehicles)] {
-    if (impl->pending.lift(vehicles)) impl->changed = true;
+    if (impl->pending.lift(vehicles, impl->clock.now())) impl->changed = true;
   });
 }
 

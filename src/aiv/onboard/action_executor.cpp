@@ -44,18 +44,19 @@ void ActionExecutor::on_message(SimTime now, std::string_view payload, DrivingCo
   }
   for (const wire::Action& action : message->actions) {
     parts_.reporter.request_report();
-    if (book_.begin(action)) perform(now, action, context, effects);
+    if (book_.begin(action)) perform(action, now, message->header.timestamp, context, effects);
   }
 }
 
-void ActionExecutor::perform(SimTime now, const wire::Action& action, DrivingContext* context, wire::Effects& effects) {
+void ActionExecutor::perform(const wire::Action& action, SimTime now, SimTime sent, DrivingContext* context,
+                             wire::Effects& effects) {
   if (action.action_type == action::state_request) return finish(action);
   if (context == nullptr) return fail(action, "instantActionError", "no zone is known yet", effects);
   const Handler handler = handler_of(action.action_type);
   if (handler == nullptr) {
     return fail(action, "instantActionError", "action '" + action.action_type + "' is not supported", effects);
   }
-  (this->*handler)({now, action, *context, effects});
+  (this->*handler)({now, sent, action, *context, effects});
 }
 
 void ActionExecutor::finish(const wire::Action& action, std::string result) {
@@ -76,6 +77,7 @@ void ActionExecutor::fail(const Call& call, std::string why) {
 
 void ActionExecutor::start_pause(const Call& call) {
   call.context.vehicle().hold(Hold::paused, true);
+  stop_sent_ = std::max(stop_sent_.value_or(call.sent), call.sent);
   run(call.action);
   // An operator has stopped the vehicle: the motors must not wait for the next tick, up to 100 ms with the longest
   // cycle.
@@ -85,6 +87,8 @@ void ActionExecutor::start_pause(const Call& call) {
 }
 
 void ActionExecutor::stop_pause(const Call& call) {
+  if (stop_sent_ && call.sent < *stop_sent_ && *stop_sent_ - call.sent <= delay_max)
+    return fail(call, "stopPause was sent before the last startPause; repeat it where that is safe");
   call.context.vehicle().hold(Hold::paused, false);
   book_.end_running(action::start_pause, wire::ActionStatus::failed, "overtaken by stopPause");
   finish(call.action);
@@ -204,6 +208,6 @@ void ActionExecutor::on_zone_switched() {
   book_.end_running({}, wire::ActionStatus::failed, "the zone was switched");
 }
 
-void ActionExecutor::archive(Archive& archive) { archive(book_); }
+void ActionExecutor::archive(Archive& archive) { archive(book_, stop_sent_); }
 
 }  // namespace cosiva::aiv

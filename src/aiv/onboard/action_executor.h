@@ -6,12 +6,12 @@
 
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
-#include "cosiva/aiv/onboard/instant_actions.h"
 #include "cosiva/aiv/onboard/position_store.h"
 #include "cosiva/aiv/onboard/server_selection.h"
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -19,9 +19,13 @@ namespace cosiva::aiv {
 
 /// Performs instant actions (VDA 5050 2.1 §6.8) and records their states.
 ///
+/// A stopPause that was sent before the last startPause is refused: the network has delayed it, and a Stop outranks it.
+/// Senders' clocks may step back; so one that is older by more than `delay_max` is performed.
+///
 /// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent still performs them.
 class ActionExecutor {
  public:
+  static constexpr SimDuration delay_max{std::chrono::seconds{10}};
   /// The other parts of the vehicle that actions act upon. All outlive the executor.
   struct Parts {
     Session& session;
@@ -47,6 +51,7 @@ class ActionExecutor {
  private:
   struct Call {
     SimTime now;
+    SimTime sent;  ///< the time stamp of its message
     const wire::Action& action;
     DrivingContext& context;
     wire::Effects& effects;
@@ -55,7 +60,7 @@ class ActionExecutor {
   /// The table of action types; none: not supported.
   [[nodiscard]] static Handler handler_of(std::string_view action_type);
 
-  void perform(SimTime now, const wire::Action& action, DrivingContext* context, wire::Effects& effects);
+  void perform(const wire::Action& action, SimTime now, SimTime sent, DrivingContext* context, wire::Effects& effects);
   void finish(const wire::Action& action, std::string result = {});
   void run(const wire::Action& action);
   void fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects);
@@ -77,6 +82,7 @@ class ActionExecutor {
 
   Parts parts_;
   InstantActionBook book_;
+  std::optional<SimTime> stop_sent_;  ///< the latest time stamp of a startPause
 };
 
 }  // namespace cosiva::aiv

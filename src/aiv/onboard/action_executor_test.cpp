@@ -81,6 +81,33 @@ TEST_F(ActionExecutorTest, finishes_a_pause_of_a_vehicle_that_is_stopped_at_once
   EXPECT_FALSE(context.vehicle().holds().has(Hold::paused));
 }
 
+TEST_F(ActionExecutorTest, stays_stopped_when_a_restart_arrives_that_was_sent_before_the_stop) {
+  using std::chrono::milliseconds;
+  const SimTime stop{std::chrono::hours{1}};
+  const auto paused_after_restart = [&](SimTime sent) {
+    const std::string id = std::to_string(sent.time_since_epoch().count());
+    act(action::start_pause, "stop before " + id, &context, {}, stop);
+    act(action::stop_pause, "restart at " + id, &context, {}, sent);
+    return context.vehicle().holds().has(Hold::paused);
+  };
+  EXPECT_TRUE(paused_after_restart(stop - milliseconds{1}));
+  EXPECT_EQ(last_status(), ActionStatus::failed);
+  EXPECT_EQ(last_result(), "stopPause was sent before the last startPause; repeat it where that is safe");
+  EXPECT_TRUE(paused_after_restart(stop - ActionExecutor::delay_max));
+  // Not delayed: the sender's clock has stepped back.
+  EXPECT_FALSE(paused_after_restart(stop - ActionExecutor::delay_max - milliseconds{1}));
+  EXPECT_FALSE(paused_after_restart(stop));
+}
+
+TEST_F(ActionExecutorTest, compares_a_restart_with_the_latest_stop_whatever_the_order_of_the_stops) {
+  const SimTime late{std::chrono::hours{1}};
+  const SimTime early = late - std::chrono::seconds{2};
+  act(action::start_pause, "the later one", &context, {}, late);
+  act(action::start_pause, "the earlier one", &context, {}, early);
+  act(action::stop_pause, "between both", &context, {}, early + std::chrono::seconds{1});
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::paused));
+}
+
 TEST_F(ActionExecutorTest, performs_no_action_twice) {
   act(action::start_pause, "a", &context);
   act(action::stop_pause, "b", &context);

@@ -6,7 +6,7 @@
 
 #include "cosiva/aiv/decision/agent.h"
 #include "cosiva/aiv/onboard/boards_link.h"
-#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/warnings.h"
 #include "cosiva/wire/messages/messages.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/own/control_areas.h"

@@ -32,9 +32,11 @@ struct InstructionTest : ::testing::Test {
 
   InstructionTest() { context.vehicle().estimator().position_at(at(lacet4(), "loop_se", 0.0)); }
   [[nodiscard]] static wire::Header header() { return {1, SimTime{}, "2.1.0", "CoSiVA", "AIV1"}; }
-  void act(std::string_view type, std::string id, DrivingContext* in, std::vector<wire::Parameter> parameters = {}) {
+  void act(std::string_view type, std::string id, DrivingContext* in, std::vector<wire::Parameter> parameters = {},
+           SimTime sent = {}) {
     wire::InstantActions message;
     message.header = header();
+    message.header.timestamp = sent;
     message.actions.push_back({std::string(type), std::move(id), "", wire::BlockingType::none, std::move(parameters)});
     actions.on_message(SimTime{}, wire::vda5050::encode(message), in, effects);
   }

@@ -120,7 +120,7 @@ class Simulation {
 
   void on_effect(Process process, const wire::Effect& effect) {
     if (const auto* publish = std::get_if<wire::Publish>(&effect)) {
-      if (process == server_process) return found(StopMonitor::on_server_message(*publish, ledger_.state()));
+      if (process == server_process) return found(stops_->on_server_message(*publish, ledger_.state()));
       found(messages_.on_sent(*publish));
       stops_->on_effect(process, *publish);
       injector_->on_published(process, *publish);

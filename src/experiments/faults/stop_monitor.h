@@ -13,7 +13,8 @@
 namespace cosiva::experiments {
 
 /// I6: a Stop outranks everything. A vehicle that has confirmed a Stop, or died after it, does not move on until the
-/// Stop is lifted by a command, and the server sends no end of the pause before.
+/// Stop is lifted by a command, and the server sends no end of the pause before. A vehicle confirms by a state with
+/// `paused` that lists an action of this Stop: it may be paused by an earlier one, which a delayed restart will end.
 ///
 /// Invariant: a vehicle has a limit of its distance only while a Stop holds for it.
 class StopMonitor {
@@ -25,7 +26,7 @@ class StopMonitor {
 
   void on_effect(Process aiv, const wire::Publish& message);
   /// A message leaves the server.
-  [[nodiscard]] static Finding on_server_message(const wire::Publish& message, const OperatorState& state);
+  [[nodiscard]] Finding on_server_message(const wire::Publish& message, const OperatorState& state);
   [[nodiscard]] Finding step(const OperatorState& state, const FaultInjection& faults);
   /// Without faults for some time: vehicles for which a Stop holds must be at rest.
   [[nodiscard]] Finding at_rest(const OperatorState& state) const;
@@ -33,9 +34,15 @@ class StopMonitor {
  private:
   struct Vehicle {
     std::string name;
-    bool paused{false};  ///< in its last state
+    bool paused{false};                ///< in its last state
+    std::vector<std::string> stops{};  ///< the ids of the actions that were sent for the present Stop
+    bool confirmed{false};             ///< by a state that lists one of them
     std::optional<double> distance_m_max;
   };
+
+  /// What was confirmed was the Stop before.
+  static void lift(Vehicle& vehicle);
+  [[nodiscard]] Vehicle* find(const std::string& name);
 
   const World& world_;
   std::vector<Vehicle> vehicles_;

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/onboard/instant_actions.h"
+#include "cosiva/aiv/order/instant_actions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
