@@ -51,12 +51,21 @@ void ActionExecutor::on_message(SimTime now, std::string_view payload, DrivingCo
 void ActionExecutor::perform(const wire::Action& action, SimTime now, SimTime sent, DrivingContext* context,
                              wire::Effects& effects) {
   if (action.action_type == action::state_request) return finish(action);
-  if (context == nullptr) return fail(action, "instantActionError", "no zone is known yet", effects);
   const Handler handler = handler_of(action.action_type);
   if (handler == nullptr) {
     return fail(action, "instantActionError", "action '" + action.action_type + "' is not supported", effects);
   }
+  if (context == nullptr) {
+    if (waiting_.size() < InstantActionBook::shown_max) return waiting_.push_back({action, sent});
+    return fail(action, "instantActionError", "no zone is known yet, and too many actions wait for one", effects);
+  }
   (this->*handler)({now, sent, action, *context, effects});
+}
+
+void ActionExecutor::on_first_zone(SimTime now, DrivingContext& context, wire::Effects& effects) {
+  for (const Waiting& waiting : std::exchange(waiting_, {}))
+    perform(waiting.action, now, waiting.sent, &context, effects);
+  COSIVA_EXPECT(waiting_.empty());
 }
 
 void ActionExecutor::finish(const wire::Action& action, std::string result) {
@@ -208,6 +217,6 @@ void ActionExecutor::on_zone_switched() {
   book_.end_running({}, wire::ActionStatus::failed, "the zone was switched");
 }
 
-void ActionExecutor::archive(Archive& archive) { archive(book_, stop_sent_); }
+void ActionExecutor::archive(Archive& archive) { archive(book_, waiting_, stop_sent_); }
 
 }  // namespace cosiva::aiv

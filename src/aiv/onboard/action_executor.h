@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
@@ -17,12 +18,14 @@
 
 namespace cosiva::aiv {
 
-/// Performs instant actions (VDA 5050 2.1 §6.8) and records their states.
+/// Performs instant actions (VDA 5050 2.1 §6.8) and records their states. What arrives before a zone is known waits,
+/// and is performed in the same order then: a restart that is given while the program starts must not be lost.
 ///
 /// A stopPause that was sent before the last startPause is refused: the network has delayed it, and a Stop outranks it.
 /// Senders' clocks may step back; so one that is older by more than `delay_max` is performed.
 ///
-/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent still performs them.
+/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent still performs them. At most
+/// InstantActionBook::shown_max actions wait for a zone.
 class ActionExecutor {
  public:
   static constexpr SimDuration delay_max{std::chrono::seconds{10}};
@@ -40,6 +43,7 @@ class ActionExecutor {
   /// One instantActions message.
   /// @param context  none before a zone is known
   void on_message(SimTime now, std::string_view payload, DrivingContext* context, wire::Effects& effects);
+  void on_first_zone(SimTime now, DrivingContext& context, wire::Effects& effects);
   /// Ends actions that waited until the vehicle has stopped or arrived.
   void end_waits(const VehicleState& vehicle);
   void on_new_order() { book_.on_new_order(); }
@@ -55,6 +59,10 @@ class ActionExecutor {
     const wire::Action& action;
     DrivingContext& context;
     wire::Effects& effects;
+  };
+  struct Waiting {
+    wire::Action action;
+    SimTime sent;
   };
   using Handler = void (ActionExecutor::*)(const Call&);
   /// The table of action types; none: not supported.
@@ -82,6 +90,7 @@ class ActionExecutor {
 
   Parts parts_;
   InstantActionBook book_;
+  std::vector<Waiting> waiting_;      ///< for a zone
   std::optional<SimTime> stop_sent_;  ///< the latest time stamp of a startPause
 };
 

@@ -50,11 +50,34 @@ struct ActionExecutorTest : test::InstructionTest {
   int reports{0};
 };
 
-TEST_F(ActionExecutorTest, performs_only_stateRequest_before_a_zone_is_known) {
+TEST_F(ActionExecutorTest, performs_what_arrives_before_a_zone_is_known_in_the_same_order_once_it_is) {
   act(action::state_request, "a", nullptr);
-  EXPECT_EQ(last_status(), ActionStatus::finished);
-  act(action::start_pause, "b", nullptr);
+  EXPECT_EQ(last_status(), ActionStatus::finished) << "it needs no zone";
+  act("fly", "b", nullptr);
+  EXPECT_EQ(last_status(), ActionStatus::failed) << "no zone would help";
+  act(action::start_pause, "c", nullptr);
+  EXPECT_EQ(last_status(), ActionStatus::waiting);
+  act(action::set_speed_limit, "d", nullptr, {{"profile", std::string("slow")}});
+  act(action::stop_pause, "e", nullptr);
+  act(action::stop_pause, "e", nullptr);
+  context.vehicle().hold(Hold::paused, true);  // restored from before the restart of the program
+  actions.on_first_zone(SimTime{}, context, effects);
+  EXPECT_FALSE(context.vehicle().holds().has(Hold::paused)) << "restarted last";
+  EXPECT_EQ(context.agent().instructions().imposed, Profile::slow);
+  for (const char* id : {"c", "d", "e"}) EXPECT_EQ(state_of(id).status, ActionStatus::finished) << id;
+  act(action::start_pause, "f", &context);
+  actions.on_first_zone(SimTime{}, context, effects);
+  EXPECT_TRUE(context.vehicle().holds().has(Hold::paused)) << "nothing is performed twice";
+}
+
+TEST_F(ActionExecutorTest, has_a_limited_number_of_actions_wait_for_a_zone) {
+  for (std::size_t i = 0; i < InstantActionBook::shown_max; ++i) {
+    act(action::start_pause, "p" + std::to_string(i), nullptr);
+    EXPECT_EQ(last_status(), ActionStatus::waiting) << i;
+  }
+  act(action::stop_pause, "one too many", nullptr);
   EXPECT_EQ(last_status(), ActionStatus::failed);
+  EXPECT_EQ(last_result(), "no zone is known yet, and too many actions wait for one");
 }
 
 TEST_F(ActionExecutorTest, performs_each_type_of_the_factsheet) {

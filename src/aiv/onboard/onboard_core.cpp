@@ -302,6 +302,7 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
   zones.enforce(rtm);
   if (boards.power()) context->agent().on_charge(boards.power()->charge());
   positions.on_first_zone(*context, effects);
+  actions.on_first_zone(now, *context, effects);
   reporter.publish_factsheet(now, context->zone(), session, effects);
 }
 
