@@ -110,7 +110,7 @@ Result<Run> run_store(const Options& options) {
       commit.append(batch);
       batch.clear();
       while (i % 64 == 0 && i + 1 - commit.durable() > waiting_max)
-        std::this_thread::sleep_for(std::chrono::microseconds{50});
+        std::this_thread::sleep_for(std::chrono::microseconds{200});
     }
     commit.drain();
     if (commit.durable() != options.messages + 1) return fail("bench.store", "records are missing");
