@@ -32,13 +32,29 @@ Chain Chain::from(std::string_view bytes) {
 }
 
 Chain Chain::after(std::string_view header, std::string_view records) const {
-  XXH128_canonical_t digest{};
-  XXH128_canonicalFromHash(&digest, XXH3_128bits(records.data(), records.size()));
-  return blake2b({bytes(), header, {reinterpret_cast<const char*>(&digest.digest), sizeof digest.digest}});
+  ChainHash hash{*this, header};
+  hash.add(records);
+  return hash.end();
 }
 
 Chain Chain::after_in_format_1(std::string_view header, std::string_view records) const {
   return blake2b({bytes(), header, records});
+}
+
+void ChainHash::Free::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
+
+ChainHash::ChainHash(const Chain& before, std::string_view header)
+    : before_{before}, header_{header}, state_{XXH3_createState()} {
+  COSIVA_EXPECT(state_ != nullptr);
+  XXH3_128bits_reset(state_.get());
+}
+
+void ChainHash::add(std::string_view records) { XXH3_128bits_update(state_.get(), records.data(), records.size()); }
+
+Chain ChainHash::end() const {
+  XXH128_canonical_t digest{};
+  XXH128_canonicalFromHash(&digest, XXH3_128bits_digest(state_.get()));
+  return blake2b({before_.bytes(), header_, {reinterpret_cast<const char*>(&digest.digest), sizeof digest.digest}});
 }
 
 std::string_view Chain::bytes() const { return {hash_.data(), hash_.size()}; }

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
+
+struct XXH3_state_s;
 
 namespace cosiva::journal {
 
@@ -29,6 +32,24 @@ class Chain {
 
  private:
   std::array<char, bytes_count> hash_{};
+};
+
+/// The hash after a batch whose records are given part by part, while each is in the processor's cache.
+///
+/// Invariant: the state has taken all parts in their order.
+class ChainHash {
+ public:
+  ChainHash(const Chain& before, std::string_view header);
+  void add(std::string_view records);
+  [[nodiscard]] Chain end() const;
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_s* state) const;
+  };
+  Chain before_;
+  std::string header_;
+  std::unique_ptr<XXH3_state_s, Free> state_;
 };
 
 }  // namespace cosiva::journal

@@ -32,6 +32,7 @@ Result<void> SegmentLog::write(const Batch& batch) {
 
 Result<SegmentLog::Appended> SegmentLog::append(const Batch& batch) {
   const std::string header = batch_header(batch, next_);
+  ChainHash hash{next_.chain, header};
   std::string first = (file_bytes_ == 0 ? segment_header(next_) : "") + header;
   const std::size_t bytes = first.size() + batch.records().size() + Chain::bytes_count;
   std::string_view left = batch.records();
@@ -39,9 +40,11 @@ Result<SegmentLog::Appended> SegmentLog::append(const Batch& batch) {
     const std::string_view portion = left.substr(0, portion_bytes);
     const auto appended = file_->append(first.empty() ? portion : first.append(portion));
     if (!appended) return tl::unexpected<Error>(appended.error());
+    hash.add(portion);
     first.clear();
   }
-  const Chain chain = next_.chain.after(header, batch.records());
+  hash.add(left);
+  const Chain chain = hash.end();
   if (auto appended = file_->append(first.append(left).append(chain.bytes())); !appended)
     return tl::unexpected<Error>(appended.error());
   return Appended{{next_.store, next_.first + batch.count(), chain}, bytes};
