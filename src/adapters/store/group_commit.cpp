@@ -13,10 +13,11 @@
 namespace cosiva::adapters {
 
 using journal::Batch;
+using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::size_t spare_bytes_max = std::size_t{16} << 20U;
+constexpr std::size_t spare_bytes_max = std::size_t{32} << 20U;
 
 }  // namespace
 
@@ -30,7 +31,12 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
     Batch records;
     std::vector<Proposal> proposals;
     std::vector<std::function<void()>> notices;  ///< of records
+    Clock::time_point since;                     ///< the first of the records waits
 
+    void add(const Batch& more) {
+      if (records.empty()) since = Clock::now();
+      records.add(more);
+    }
     [[nodiscard]] bool empty() const { return records.empty() && proposals.empty(); }
   };
 
@@ -50,8 +56,8 @@ struct GroupCommit::Impl : std::enable_shared_from_this<GroupCommit::Impl> {
     for (;;) {
       changed.wait(lock, [this] { return wanted.end || !waiting.empty(); });
       if (waiting.empty()) return;
-      changed.wait_for(lock, options.period,
-                       [this] { return wanted.end || wanted.at_once || !waiting.proposals.empty(); });
+      changed.wait_until(lock, waiting.since + options.period,
+                         [this] { return wanted.end || wanted.at_once || !waiting.proposals.empty(); });
       wanted.at_once = false;
       if (waiting.empty()) continue;  // given up meanwhile
       if (write_waiting(lock)) continue;
@@ -187,7 +193,7 @@ void GroupCommit::append(const Batch& records) {
     const std::lock_guard lock{impl_->mutex};
     if (impl_->gapped) return;
     first = impl_->waiting.empty();
-    impl_->waiting.records.add(records);
+    impl_->waiting.add(records);
     impl_->limit_waiting();
   }
   if (first) impl_->changed.notify_all();
@@ -198,7 +204,7 @@ void GroupCommit::append_now(const Batch& records, std::function<void()> durable
   {
     const std::lock_guard lock{impl_->mutex};
     // Within a gap the next checkpoint covers what these records would have.
-    if (!impl_->gapped) impl_->waiting.records.add(records);
+    if (!impl_->gapped) impl_->waiting.add(records);
     impl_->waiting.notices.push_back(std::move(durable));
     impl_->wanted.at_once = true;
   }
@@ -209,7 +215,7 @@ void GroupCommit::append_checkpoint(const Batch& records) {
   {
     const std::lock_guard lock{impl_->mutex};
     impl_->gapped = false;
-    impl_->waiting.records.add(records);
+    impl_->waiting.add(records);
   }
   impl_->changed.notify_all();
 }

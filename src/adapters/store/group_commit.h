@@ -16,7 +16,8 @@
 namespace cosiva::adapters {
 
 struct GroupCommitOptions {
-  std::chrono::milliseconds period{10};  ///< a record waits this long at most before it is written and synced
+  /// A record waits this long at most before it is written and synced, unless others are being written then.
+  std::chrono::milliseconds period{10};
   std::size_t segment_bytes{std::size_t{64} << 20U};
   std::chrono::milliseconds retry{200};  ///< after a failure
   /// Records that wait for a disk that refuses or stalls; where there are more, all of them are given up (on_gap).

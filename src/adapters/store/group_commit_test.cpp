@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <memory>
+#include <thread>
 
 #include "cosiva/journal/store/simulated_disk.h"
 #include "cosiva/journal/store/store_reading.h"
@@ -79,6 +80,28 @@ TEST(GroupCommit, lets_records_gather_until_a_proposal_arrives) {
   commit.propose(command, [&](const Result<void>& result) { accepted = result.has_value(); });
   EXPECT_TRUE(loop.run_until([&] { return accepted; }, 5s));
   EXPECT_EQ(records_on(*disk), 2U);
+}
+
+TEST(GroupCommit, writes_what_came_during_a_long_sync_as_soon_as_that_is_over) {
+  EventLoop loop;
+  const auto disk = std::make_shared<SimulatedDisk>(1);
+  std::atomic<bool> syncing{false};
+  std::atomic<bool> stalled{true};
+  disk->set_faults([&](Call call, const std::string&) {
+    if (call == Call::sync) syncing = true;
+    while (call == Call::sync && stalled) std::this_thread::sleep_for(1ms);
+    return std::string{};
+  });
+  GroupCommitOptions options;
+  options.period = 1s;
+  GroupCommit commit{loop, std::make_unique<SharedDisk>(disk), first_start, {}, options};
+  commit.append_now(one_record(), [] {});
+  ASSERT_TRUE(loop.run_until([&] { return syncing.load(); }, 5s));
+  commit.append(one_record());
+  loop.run_for(options.period);
+  EXPECT_EQ(commit.durable(), 1U);
+  stalled = false;
+  EXPECT_TRUE(loop.run_until([&] { return commit.durable() == 3; }, options.period - 50ms));
 }
 
 TEST(GroupCommit, decides_a_proposal_only_when_its_record_is_durable) {

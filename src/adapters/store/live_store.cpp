@@ -122,11 +122,13 @@ void LiveStore::append(const wire::Input& input) {
 
 void LiveStore::complete() {
   if (input_.empty()) return;
-  commit_->append(std::exchange(input_, {}));
+  commit_->append(input_);
+  input_.clear();
 }
 
 void LiveStore::complete_now(std::function<void()> durable) {
-  commit_->append_now(std::exchange(input_, {}), std::move(durable));
+  commit_->append_now(input_, std::move(durable));
+  input_.clear();
 }
 
 void LiveStore::write_checkpoint() {

@@ -14,7 +14,8 @@
 namespace cosiva::journal {
 namespace {
 
-constexpr std::string_view segment_magic = "COSIVAS1";
+constexpr std::string_view segment_magic = "COSIVAS2";
+constexpr std::string_view segment_magic_1 = "COSIVAS1";  ///< as earlier versions wrote it
 constexpr std::string_view batch_magic = "BTCH";
 constexpr std::string_view name_end = ".segment";
 constexpr std::size_t name_digits = 20;
@@ -71,7 +72,10 @@ std::size_t count_batches(std::string_view bytes, std::size_t at, const Fits& fi
 class SegmentScan {
  public:
   SegmentScan(std::string_view bytes, const SegmentStart& start, const OnRecord& on_record)
-      : bytes_{bytes}, on_record_{on_record}, content_{start, start.first, start.chain, header_bytes} {}
+      : bytes_{bytes},
+        on_record_{on_record},
+        format_1_{bytes.starts_with(segment_magic_1)},
+        content_{start, start.first, start.chain, header_bytes} {}
 
   SegmentContent run(RecordNumber until) {
     while (content_.next < until && content_.intact_bytes < bytes_.size() && !content_.torn) {
@@ -119,7 +123,7 @@ class SegmentScan {
       offset += (*record)->bytes;
       views_.push_back(**record);
     }
-    const Chain next = content_.chain.after(batch.substr(0, batch.size() - Chain::bytes_count));
+    const Chain next = chain_after(batch.substr(0, batch_header_bytes), records);
     if (offset != records.size() || batch.substr(batch.size() - Chain::bytes_count) != next.bytes()) {
       return damaged_or_torn(
           at + batch.size() - Chain::bytes_count, at + batch.size(), header.first,
@@ -131,6 +135,10 @@ class SegmentScan {
     content_.intact_bytes = at + batch.size();
     COSIVA_EXPECT(content_.intact_bytes <= bytes_.size() && views_.size() == header.count);
     return {};
+  }
+
+  [[nodiscard]] Chain chain_after(std::string_view header, std::string_view records) const {
+    return format_1_ ? content_.chain.after_in_format_1(header, records) : content_.chain.after(header, records);
   }
 
   /// Whether damage in [begin, end) is that of the last write, interrupted by a power failure: a sector of it is
@@ -158,6 +166,7 @@ class SegmentScan {
 
   std::string_view bytes_;
   const OnRecord& on_record_;
+  bool format_1_;
   SegmentContent content_;
   std::vector<RecordView> views_;  ///< of the batch that is being read
 };
@@ -202,7 +211,8 @@ std::string batch_header(const Batch& batch, const SegmentStart& start) {
 std::optional<SegmentStart> segment_start(std::string_view bytes) {
   if (bytes.size() < header_bytes) return std::nullopt;
   const std::string_view header = bytes.substr(0, header_bytes);
-  if (!header.starts_with(segment_magic) || !checksum_fits(header)) return std::nullopt;
+  if (!header.starts_with(segment_magic) && !header.starts_with(segment_magic_1)) return std::nullopt;
+  if (!checksum_fits(header)) return std::nullopt;
   return SegmentStart{integer_at<std::uint64_t>(header, 8), integer_at<std::uint64_t>(header, 16),
                       Chain::from(header.substr(24, Chain::bytes_count))};
 }

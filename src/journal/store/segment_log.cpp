@@ -32,24 +32,22 @@ Result<void> SegmentLog::write(const Batch& batch) {
 
 Result<SegmentLog::Appended> SegmentLog::append(const Batch& batch) {
   const std::string header = batch_header(batch, next_);
-  ChainHash hash{next_.chain};
-  hash.add(header);
-  std::string portion = (file_bytes_ == 0 ? segment_header(next_) : "") + header;
-  std::size_t bytes = 0;
-  std::string_view records = batch.records();
-  for (; records.size() > portion_bytes; records.remove_prefix(portion_bytes)) {
-    portion += records.substr(0, portion_bytes);
-    if (auto appended = file_->append(portion); !appended) return tl::unexpected<Error>(appended.error());
-    hash.add(records.substr(0, portion_bytes));
-    bytes += portion.size();
-    portion.clear();
+  ChainHash hash{next_.chain, header};
+  std::string first = (file_bytes_ == 0 ? segment_header(next_) : "") + header;
+  const std::size_t bytes = first.size() + batch.records().size() + Chain::bytes_count;
+  std::string_view left = batch.records();
+  for (; left.size() > portion_bytes; left.remove_prefix(portion_bytes)) {
+    const std::string_view portion = left.substr(0, portion_bytes);
+    const auto appended = file_->append(first.empty() ? portion : first.append(portion));
+    if (!appended) return tl::unexpected<Error>(appended.error());
+    hash.add(portion);
+    first.clear();
   }
-  portion += records;
-  hash.add(records);
+  hash.add(left);
   const Chain chain = hash.end();
-  portion += chain.bytes();
-  if (auto appended = file_->append(portion); !appended) return tl::unexpected<Error>(appended.error());
-  return Appended{{next_.store, next_.first + batch.count(), chain}, bytes + portion.size()};
+  if (auto appended = file_->append(first.append(left).append(chain.bytes())); !appended)
+    return tl::unexpected<Error>(appended.error());
+  return Appended{{next_.store, next_.first + batch.count(), chain}, bytes};
 }
 
 Result<void> SegmentLog::begin_segment() {

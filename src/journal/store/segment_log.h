@@ -36,7 +36,7 @@ class SegmentLog {
     SegmentStart next;
     std::size_t bytes;
   };
-  /// Large batches in portions: the hash of one is computed while the disk writes it.
+  /// Large batches in portions: the disk writes them while the hash is computed.
   [[nodiscard]] Result<Appended> append(const Batch& batch);
   [[nodiscard]] Result<void> begin_segment();
 

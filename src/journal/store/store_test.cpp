@@ -79,34 +79,65 @@ TEST(SegmentName, is_none_for_other_files) {
 
 TEST(Chain, begins_with_zeros_and_depends_on_every_part) {
   EXPECT_EQ(Chain{}.hex(), std::string(64, '0'));
-  const Chain next = Chain{}.after("abc");
-  EXPECT_NE(next, Chain{}.after("abd"));
-  EXPECT_NE(next.after("abc"), next);
+  const Chain next = Chain{}.after("a", "bc");
+  for (const Chain& other : {Chain{}.after("a", "bd"), Chain{}.after("b", "bc"), Chain{}.after("ab", "c"),
+                             next.after("a", "bc"), Chain{}.after_in_format_1("a", "bc")})
+    EXPECT_NE(other, next);
   EXPECT_EQ(Chain::from(next.bytes()), next);
 }
 
-TEST(Chain, of_parts_is_that_of_the_whole) {
-  ChainHash hash{Chain{}.after("before")};
-  for (const char* part : {"a", "", "bc"}) hash.add(part);
-  EXPECT_EQ(hash.end(), Chain{}.after("before").after("abc"));
-}
-
-/// A segment that another program has written after docs/protocols/store.md, with another library's BLAKE2b.
-TEST(Store, reads_a_segment_written_elsewhere_from_its_documentation) {
-  std::ifstream file{source_dir() + "/fuzz/corpus/segment/whole.bin", std::ios::binary};
+/// Of the fuzz targets.
+std::string corpus_segment(const std::string& name) {
+  std::ifstream file{source_dir() + "/fuzz/corpus/segment/" + name, std::ios::binary};
   std::stringstream bytes;
   bytes << file.rdbuf();
-  std::vector<wire::Input> inputs;
-  const SegmentContent content = read_segment(
-      bytes.str(), no_record, [&](RecordNumber, const RecordView& record) { inputs.push_back(record.input()); });
-  ASSERT_FALSE(content.damage) << to_string(*content.damage);
-  EXPECT_FALSE(content.torn);
-  EXPECT_EQ(content.next, 4U);
-  EXPECT_EQ(content.chain.hex(), "878b52b1692c440357f27ffc3ed9fe9dc436e018bc72880fecda15a2232bd010");
-  ASSERT_EQ(inputs.size(), 3U);
-  EXPECT_EQ(inputs[0].payload, R"({"zone":"lacet4"})");
-  EXPECT_EQ(inputs[2].source, "http");
-  EXPECT_TRUE(inputs[2].flag);
+  return bytes.str();
+}
+
+const std::string format_1_file = "whole.bin";
+
+/// Segments that another program has written after docs/protocols/store.md, with another library's BLAKE2b.
+TEST(Store, reads_a_segment_of_either_format_written_elsewhere_from_its_documentation) {
+  for (const auto& [name, hash] :
+       {std::pair{format_1_file, "878b52b1692c440357f27ffc3ed9fe9dc436e018bc72880fecda15a2232bd010"},
+        std::pair{std::string{"format2.bin"}, "e3e0a536a1518f9803303d7caa1ff49c38563afc3be39578972f6733085bb4ea"}}) {
+    std::vector<wire::Input> inputs;
+    const SegmentContent content =
+        read_segment(corpus_segment(name), no_record,
+                     [&](RecordNumber, const RecordView& record) { inputs.push_back(record.input()); });
+    ASSERT_FALSE(content.damage) << to_string(*content.damage);
+    EXPECT_FALSE(content.torn);
+    EXPECT_EQ(content.next, 4U);
+    EXPECT_EQ(content.chain.hex(), hash);
+    ASSERT_EQ(inputs.size(), 3U);
+    EXPECT_EQ(inputs[0].payload, R"({"zone":"lacet4"})");
+    EXPECT_EQ(inputs[2].source, "http");
+    EXPECT_TRUE(inputs[2].flag);
+  }
+}
+
+TEST(Store, of_format_1_is_continued_in_a_segment_of_format_2) {
+  SimulatedDisk disk{1};
+  ASSERT_TRUE(disk.replace(first_name, corpus_segment(format_1_file)));
+  SegmentLog log{disk, *recover(disk).content->next, large_segment};
+  EXPECT_TRUE(log.write(batch_of(4, 2)));
+  EXPECT_THAT(*disk.read(first_name), StartsWith("COSIVAS1"));
+  EXPECT_THAT(*disk.read(segment_name(4)), StartsWith("COSIVAS2"));
+  const Recovered back = recover(disk);
+  ASSERT_TRUE(back.content) << to_string(back.content.error());
+  EXPECT_EQ(back.inputs.size(), 5U);
+}
+
+TEST(Store, refuses_every_flipped_bit_of_a_segment_of_format_1) {
+  const std::string whole = corpus_segment(format_1_file);
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    SimulatedDisk disk{1};
+    ASSERT_TRUE(disk.replace(first_name, whole));
+    disk.flip_bit(first_name, bit);
+    const auto content = recover(disk).content;
+    ASSERT_FALSE(content) << "bit " << bit;
+    EXPECT_THAT(content.error().location, StartsWith(first_name + ": offset ")) << "bit " << bit;
+  }
 }
 
 TEST(Store, gives_back_the_records_of_all_batches_with_their_numbers) {
