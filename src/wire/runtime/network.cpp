@@ -297,13 +297,6 @@ void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from
   std::push_heap(queue_.begin(), queue_.end(), Later{});
 }
 
-std::optional<SimTime> Network::next_due() const {
-  std::optional<SimTime> next;
-  if (!queue_.empty()) next = queue_.front().at;
-  if (!sending_.empty() && (!next || sending_.front().at < *next)) next = sending_.front().at;
-  return next;
-}
-
 void Network::take_due(SimTime now, std::vector<Delivery>& out) {
   deliver_due(now, [&](Delivery& delivery) { out.push_back(std::move(delivery)); });
 }

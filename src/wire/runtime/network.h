@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -77,7 +78,10 @@ class Network {
 
   /// The number of messages in transit: sent, and not delivered yet.
   [[nodiscard]] std::size_t in_transit() const { return queue_.size() + sending_.size(); }
-  [[nodiscard]] std::optional<SimTime> next_due() const;
+  [[nodiscard]] std::optional<SimTime> next_due() const {
+    if (sending_.empty()) return queue_.empty() ? std::nullopt : std::optional{queue_.front().at};
+    return queue_.empty() ? sending_.front().at : std::min(queue_.front().at, sending_.front().at);
+  }
   /// Moves out, in order, everything due at or before `now`.
   void take_due(SimTime now, std::vector<Delivery>& out);
   /// Likewise, gives each delivery to `receive(Delivery&)` instead. What is published meanwhile is due later, even with
