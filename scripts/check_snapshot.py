@@ -49,7 +49,7 @@ EXCEPTIONS = {
         "interface_name_": "constant", "vehicles_max_": "constant", "topics_": "derived", "names_": "derived",
         "numbers_": "derived", "vacant_": "derived",
     },
-    "Session": {"id_": "constant", "as_values_": "constant", "topics_": "constant"},
+    "Session": {"id_": "constant", "as_values_": "constant", "topics_": "constant", "intent_topic_": "derived"},
     "StateReporter": {"serial_number_": "constant", "state_period_": "constant", "visualization_period_": "constant"},
     "Supervision": {"timeout_": "constant"},
     "ThirdPartyPause": {"map_": "derived"},

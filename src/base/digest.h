@@ -20,13 +20,18 @@ class Digest {
   void add(std::int64_t value) noexcept { add(static_cast<std::uint64_t>(value)); }
   void add(double value) noexcept { add(std::bit_cast<std::uint64_t>(value)); }
   void add(SimTime time) noexcept { add(static_cast<std::uint64_t>(time.time_since_epoch().count())); }
-  void add(std::string_view bytes) noexcept;
+  void add(std::string_view bytes) noexcept {
+    add(static_cast<std::uint64_t>(bytes.size()));
+    if (!bytes.empty()) add_bytes(bytes);
+  }
 
   [[nodiscard]] std::uint64_t value() const noexcept { return state_; }
   [[nodiscard]] std::string hex() const;  ///< 16 lower-case digits
   friend bool operator==(const Digest&, const Digest&) = default;
 
  private:
+  void add_bytes(std::string_view bytes) noexcept;
+
   std::uint64_t state_{0x6A09E667F3BCC908ULL};
 };
 

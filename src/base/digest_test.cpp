@@ -43,6 +43,15 @@ TEST(Digest, of_texts_of_every_length_differ) {
     EXPECT_TRUE(detected.insert(digest_of(std::string(length, 'x'))).second);
 }
 
+TEST(Digest, of_a_short_text_is_that_of_its_length_and_of_its_bytes_as_one_word_with_the_first_byte_lowest) {
+  const std::string text{"\x81\x92\xA3\xB4\xC5\xD6\xE7"};
+  std::uint64_t word = 0;
+  for (std::size_t length = 1; length <= text.size(); ++length) {
+    word |= static_cast<std::uint64_t>(static_cast<unsigned char>(text[length - 1])) << (8U * (length - 1));
+    EXPECT_EQ(digest_of(std::string_view{text}.substr(0, length)), digest_of(std::uint64_t{length}, word)) << length;
+  }
+}
+
 TEST(Digest, is_written_as_sixteen_hexadecimal_digits) {
   EXPECT_EQ(Digest{}.hex(), "6a09e667f3bcc908");
   EXPECT_EQ(Digest{}.hex().size(), 16U);

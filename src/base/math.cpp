@@ -93,8 +93,6 @@ double det_erfc(double x) noexcept {
   return x < 2.0 ? 1.0 - erf_series(x) : erfc_fraction(x);
 }
 
-double norm(double x, double y) noexcept { return std::sqrt(x * x + y * y); }
-
 double wrap_angle(double angle_rad) noexcept {
   if (angle_rad > -pi && angle_rad <= pi) return angle_rad;
   return plain::wrap_angle(angle_rad);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 namespace cosiva {
 
 inline constexpr double pi = 3.14159265358979323846;
@@ -22,7 +24,7 @@ struct SinCos {
 [[nodiscard]] double det_erfc(double x) noexcept;
 
 /// √(x² + y²); IEEE square root is exactly rounded everywhere.
-[[nodiscard]] double norm(double x, double y) noexcept;
+[[nodiscard]] inline double norm(double x, double y) noexcept { return std::sqrt(x * x + y * y); }
 
 /// The same angle in (−π, π].
 [[nodiscard]] double wrap_angle(double angle_rad) noexcept;

@@ -1,6 +1,5 @@
 #include "cosiva/base/random.h"
 
-#include <bit>
 #include <cmath>
 
 #include "cosiva/base/digest.h"
@@ -24,21 +23,6 @@ Random::Random(std::uint64_t seed, std::string_view stream) noexcept {
   }
 }
 
-std::uint64_t Random::next() noexcept {
-  auto& s = state_;
-  const std::uint64_t result = std::rotl(s[1] * 5, 7) * 9;
-  const std::uint64_t t = s[1] << 17U;
-  s[2] ^= s[0];
-  s[3] ^= s[1];
-  s[1] ^= s[2];
-  s[0] ^= s[3];
-  s[2] ^= t;
-  s[3] = std::rotl(s[3], 45);
-  return result;
-}
-
-double Random::uniform() noexcept { return static_cast<double>(next() >> 11U) * 0x1.0p-53; }
-
 double Random::uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
 
 std::uint64_t Random::below(std::uint64_t bound) noexcept {
@@ -50,8 +34,6 @@ std::uint64_t Random::below(std::uint64_t bound) noexcept {
     if (draw >= bound || draw >= (~bound + 1) % bound) return draw % bound;
   }
 }
-
-bool Random::chance(double probability) noexcept { return uniform() < probability; }
 
 double Random::gaussian() noexcept {
   if (has_spare_) {

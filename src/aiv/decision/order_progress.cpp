@@ -39,7 +39,11 @@ void OrderProgress::end_cancel() {
   cancelling_ = false;
 }
 
-std::vector<wire::OrderNode> OrderProgress::take_traversed() { return std::exchange(traversed_, {}); }
+std::vector<wire::OrderNode> OrderProgress::take_traversed() {
+  std::vector<wire::OrderNode> traversed;
+  traversed.swap(traversed_);
+  return traversed;
+}
 
 bool OrderProgress::take_lost() { return std::exchange(lost_, false); }
 

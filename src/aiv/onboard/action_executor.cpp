@@ -200,6 +200,7 @@ void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::s
 }
 
 void ActionExecutor::end_waits(const VehicleState& vehicle) {
+  if (book_.states().empty()) return;  // as in nearly all cycles
   if (vehicle.motion().stopped() && vehicle.holds().has(Hold::paused)) end_wait(action::start_pause, true);
   if (!vehicle.joining())
     end_wait(action::join_line, !vehicle.position().off_path(), "abandoned before the vehicle was on the path");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <utility>
 
 #include "cosiva/base/digest.h"
 #include "cosiva/wire/runtime/core.h"

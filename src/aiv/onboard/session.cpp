@@ -46,7 +46,7 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
 }  // namespace
 
 Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_values)
-    : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)} {}
+    : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)}, intent_topic_{id_} {}
 
 wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
   return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
@@ -118,9 +118,9 @@ void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire:
   if (!online_) return;
   intent.header_id = next_.intent++;
   intent.timestamp = now;
-  std::string topic = wire::v2x_topic(intent.map_id, cell, id_);
+  const std::string& topic = intent_topic_.at(intent.map_id, cell);
   if (as_values_) return pass_on(topic, std::move(intent), effects);
-  effects.emplace_back(wire::Publish{std::move(topic), to_json(intent), 0, false});
+  effects.emplace_back(wire::Publish{topic, to_json(intent), 0, false});
 }
 
 Result<void> Session::accepts(const wire::Header& header) const {

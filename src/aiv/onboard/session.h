@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
+#include "cosiva/aiv/v2x/intent_topic.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
@@ -89,6 +89,7 @@ class Session {
   SessionTopics topics_;
   bool online_{false};
   HeaderIds next_;
+  IntentTopic intent_topic_;
 };
 
 /// What this vehicle is and can do, from the zone it drives in.

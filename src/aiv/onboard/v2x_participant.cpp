@@ -1,7 +1,6 @@
 #include "cosiva/aiv/onboard/v2x_participant.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "cosiva/base/archive.h"

@@ -213,13 +213,7 @@ std::vector<wire::OrderNode> OrderBook::travelled(double distance_m) {
   return traversed;
 }
 
-bool OrderBook::active() const { return !targets_.empty(); }
-
 bool OrderBook::base_left() const { return !targets_.empty() && targets_.front().node.released; }
-
-bool OrderBook::horizon_left() const { return !targets_.empty() && !targets_.back().node.released; }
-
-double OrderBook::distance_to_base_end_m() const { return std::max(0.0, base_end_path_m_ - travelled_m_); }
 
 double OrderBook::since_last_node_m() const { return std::max(0.0, travelled_m_ - last_node_.path_m); }
 

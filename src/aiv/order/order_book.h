@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -92,12 +93,12 @@ class OrderBook {
   /// just behind.
   std::vector<wire::OrderNode> travelled(double distance_m);
 
-  [[nodiscard]] bool active() const;  ///< nodes remain, released or not
+  [[nodiscard]] bool active() const { return !targets_.empty(); }  ///< nodes remain, released or not
   [[nodiscard]] bool base_left() const;
   /// Path distance to the last released node, which the vehicle may drive without a further release. 0 without a base;
   /// when the end of the base already counts as traversed, still the last millimetres to it.
-  [[nodiscard]] double distance_to_base_end_m() const;
-  [[nodiscard]] bool horizon_left() const;
+  [[nodiscard]] double distance_to_base_end_m() const { return std::max(0.0, base_end_path_m_ - travelled_m_); }
+  [[nodiscard]] bool horizon_left() const { return !targets_.empty() && !targets_.back().node.released; }
 
   [[nodiscard]] const OrderIds& ids() const { return ids_; }
   [[nodiscard]] const LastNode& last_node() const { return last_node_; }

@@ -84,13 +84,14 @@ void write_json(JsonWriter& json, const Statistics& statistics) {
 }
 
 void RecentP99::add(double value) {
-  if (filled_ == over_.size()) {
+  const bool over = value > limit_;
+  // Most often none is above: the whole window is false then, and stays so.
+  if (over || over_count_ > 0) {
     if (over_[next_]) --over_count_;
-  } else {
-    ++filled_;
+    over_[next_] = over;
+    if (over) ++over_count_;
   }
-  over_[next_] = value > limit_;
-  if (over_[next_]) ++over_count_;
+  filled_ = std::min(filled_ + 1, over_.size());
   COSIVA_EXPECT(over_count_ <= filled_ && filled_ <= over_.size());
   next_ = next_ + 1 == over_.size() ? 0 : next_ + 1;
 }

@@ -25,18 +25,12 @@ void FrameBatch::begin() {
   if (lists_.size() < lists_max) lists_.push_back(filling_);
 }
 
-void FrameBatch::add(Board board, std::uint8_t sequence, const BoardMessage& message) {
-  if (!filling_) begin();
-  filling_->add(board, sequence, message);
-}
-
-void FrameBatch::flush(const std::string& port, Effects& effects) {
-  if (!filling_) return;
+void FrameBatch::send(const std::string& port, Effects& effects) {
   COSIVA_EXPECT(!filling_->frames().empty());
   // Made in place: this is the most frequent of all effects.
-  auto& send = std::get<SendBytes>(effects.emplace_back(std::in_place_type<SendBytes>));
-  send.port = port;
-  send.typed = std::exchange(filling_, nullptr);
+  auto& bytes = std::get<SendBytes>(effects.emplace_back(std::in_place_type<SendBytes>));
+  bytes.port = port;
+  bytes.typed = std::exchange(filling_, nullptr);
 }
 
 }  // namespace cosiva::wire

@@ -19,14 +19,21 @@ class FrameBatch {
  public:
   explicit FrameBatch(std::uint32_t vehicle) : vehicle_{vehicle} {}
 
-  void add(Board board, std::uint8_t sequence, const BoardMessage& message);
+  void add(Board board, std::uint8_t sequence, const BoardMessage& message) {
+    if (!filling_) begin();
+    filling_->add(board, sequence, message);
+  }
   /// Sends what was added since the last call, if anything.
   /// @param port  of any of the vehicle's boards: identifies the vehicle
-  void flush(const std::string& port, Effects& effects);
+  void flush(const std::string& port, Effects& effects) {
+    if (filling_) send(port, effects);
+  }
 
  private:
   /// Makes the list to be filled next: one that is free, or a new one.
   void begin();
+  /// Sends the list that is being filled.
+  void send(const std::string& port, Effects& effects);
 
   std::uint32_t vehicle_;
   std::vector<std::shared_ptr<BoardFrames>> lists_;

@@ -57,7 +57,7 @@ Network::ClientId Network::connect(SimTime now, std::vector<std::string> filters
   subscribers_.clear();
   known_topics_.clear();
   for (const auto& [topic, message] : retained_) {
-    if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, true);
+    if (matches_any(clients_[id].filters, topic)) schedule(now, id, message, goes_aside(faults_, topic), true);
   }
   return id;
 }
@@ -78,7 +78,7 @@ void Network::listen(SimTime now, ClientId id, std::vector<std::string> filters)
   for (const std::string& filter : changed) update_subscribers(id, filter);
   if (news.empty()) return;
   for (const auto& [topic, message] : retained_) {
-    if (matches_any(news, topic)) schedule(now, id, message, true);
+    if (matches_any(news, topic)) schedule(now, id, message, goes_aside(faults_, topic), true);
   }
 }
 
@@ -148,9 +148,8 @@ void Network::set_blocked(SimTime now, ClientId id, Blocked blocked) {
 void Network::stop(SimTime now) {
   for (ClientId id = 0; id < clients_.size(); ++id) disconnect(now, id);
   retained_.clear();
+  for (const Queued& queued : queue_) release(*queued.slot);
   queue_.clear();
-  slots_.clear();
-  free_slots_.clear();
   sending_.clear();
 }
 
@@ -163,7 +162,7 @@ void Network::set_faults(NetworkFaults faults) {
 
 bool Network::held_back(SimTime now, ClientId to, const Publish& message, bool from_retained) {
   Client& client = clients_[to];
-  if (!client.blocked.from_broker || goes_aside(faults_, message.topic)) return false;
+  if (!client.blocked.from_broker) return false;
   if (message.qos == 0)
     ++counters_.lost;
   else
@@ -193,7 +192,8 @@ void Network::route(SimTime now, const Publish& message) {
       retained_.insert_or_assign(message.topic, message);
     }
   }
-  for (const ClientId to : subscribers(message.topic)) schedule(now, to, message, false);
+  const bool aside = goes_aside(faults_, message.topic);
+  for (const ClientId to : subscribers(message.topic)) schedule(now, to, message, aside, false);
 }
 
 const std::vector<Network::ClientId>& Network::subscribers(const std::string& topic) {
@@ -231,10 +231,9 @@ void Network::update_subscribers(ClientId id, std::string_view filter) {
   }
 }
 
-void Network::schedule(SimTime now, ClientId to, const Publish& message, bool from_retained) {
-  if (held_back(now, to, message, from_retained)) return;
+void Network::schedule(SimTime now, ClientId to, const Publish& message, bool aside, bool from_retained) {
+  if (!aside && held_back(now, to, message, from_retained)) return;
   Client& client = clients_[to];
-  const bool aside = goes_aside(faults_, message.topic);
   Random& dice = aside ? aside_random_ : random_;
   Random& radio_dice = aside ? aside_random_ : radio_random_;
   SimTime& last_due = aside ? client.last_aside_due : client.last_due;
@@ -279,29 +278,18 @@ void Network::schedule(SimTime now, ClientId to, const Publish& message, bool fr
 }
 
 void Network::enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained) {
-  if (free_slots_.empty()) {
-    free_slots_.push_back(slots_.size());
-    slots_.emplace_back();
-  }
-  const std::size_t slot = free_slots_.back();
-  free_slots_.pop_back();
+  if (free_slots_.empty()) free_slots_.push_back(&slots_.emplace_back());
   // Assigned one by one: the texts of the slot's last delivery give their memory.
-  Delivery& delivery = slots_[slot];
+  Delivery& delivery = *free_slots_.back();
+  free_slots_.pop_back();
   delivery.to = to;
   delivery.at = at;
   delivery.topic.assign(message.topic);
   if (!message.payload.empty() || !delivery.payload.empty()) delivery.payload.assign(message.payload);
   delivery.retained = from_retained;
   delivery.typed = message.typed;
-  queue_.push_back({at, sequence_++, slot});
+  queue_.push_back({at, sequence_++, &delivery});
   std::push_heap(queue_.begin(), queue_.end(), Later{});
-}
-
-std::optional<SimTime> Network::next_due() const {
-  std::optional<SimTime> next;
-  if (!queue_.empty()) next = queue_.front().at;
-  if (!sending_.empty() && (!next || sending_.front().at < *next)) next = sending_.front().at;
-  return next;
 }
 
 void Network::take_due(SimTime now, std::vector<Delivery>& out) {
@@ -313,23 +301,23 @@ void Network::begin_delivery(SimTime now) {
   route_due(now);
   while (!queue_.empty() && queue_.front().at <= now) {
     std::pop_heap(queue_.begin(), queue_.end(), Later{});
-    const std::size_t slot = queue_.back().slot;
+    Delivery& delivery = *queue_.back().slot;
     queue_.pop_back();
-    if (!clients_[slots_[slot].to].connected) {
-      release(slot);
+    if (!clients_[delivery.to].connected) {
+      release(delivery);
       continue;
     }
     ++counters_.delivered;
-    due_.push_back(slot);
+    due_.push_back(&delivery);
   }
 }
 
-void Network::release(std::size_t slot) {
-  slots_[slot].typed.reset();
+void Network::release(Delivery& slot) {
+  slot.typed.reset();
   // A text as large as a zone is rare, and its memory is not needed for a message of a hundred bytes.
   constexpr std::size_t reused_bytes_max = 4096;
-  if (slots_[slot].payload.capacity() > reused_bytes_max) std::string{}.swap(slots_[slot].payload);
-  free_slots_.push_back(slot);
+  if (slot.payload.capacity() > reused_bytes_max) std::string{}.swap(slot.payload);
+  free_slots_.push_back(&slot);
 }
 
 }  // namespace cosiva::wire

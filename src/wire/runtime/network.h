@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -54,6 +55,8 @@ class Network {
   };
 
   Network(std::uint64_t seed, NetworkFaults faults);
+  Network(const Network&) = delete;  // the queue refers to its deliveries
+  Network& operator=(const Network&) = delete;
 
   /// Subscribes at once; retained messages follow as deliveries.
   ClientId connect(SimTime now, std::vector<std::string> filters, std::optional<Will> will);
@@ -77,7 +80,10 @@ class Network {
 
   /// The number of messages in transit: sent, and not delivered yet.
   [[nodiscard]] std::size_t in_transit() const { return queue_.size() + sending_.size(); }
-  [[nodiscard]] std::optional<SimTime> next_due() const;
+  [[nodiscard]] std::optional<SimTime> next_due() const {
+    if (sending_.empty()) return queue_.empty() ? std::nullopt : std::optional{queue_.front().at};
+    return queue_.empty() ? sending_.front().at : std::min(queue_.front().at, sending_.front().at);
+  }
   /// Moves out, in order, everything due at or before `now`.
   void take_due(SimTime now, std::vector<Delivery>& out);
   /// Likewise, gives each delivery to `receive(Delivery&)` instead. What is published meanwhile is due later, even with
@@ -86,8 +92,8 @@ class Network {
   void deliver_due(SimTime now, Receive receive) {
     begin_delivery(now);
     for (std::size_t i = 0; i < due_.size(); ++i) {
-      receive(slots_[due_[i]]);
-      release(due_[i]);
+      receive(*due_[i]);
+      release(*due_[i]);
     }
     due_.clear();
   }
@@ -121,7 +127,7 @@ class Network {
   struct Queued {
     SimTime at;
     std::uint64_t sequence;
-    std::size_t slot;
+    Delivery* slot;
   };
   struct Later {
     bool operator()(const Queued& a, const Queued& b) const {
@@ -136,15 +142,16 @@ class Network {
   };
   /// Moves the slots of all deliveries due by `now` to due_.
   void begin_delivery(SimTime now);
-  void release(std::size_t slot);
+  void release(Delivery& slot);
   void route(SimTime now, const Publish& message);
   void send_later(SimTime at, ClientId from, const Publish& message);
   void route_due(SimTime now);
   [[nodiscard]] const std::vector<ClientId>& subscribers(const std::string& topic);
   /// The client's filters have changed by this one: its entry in the lists of the topics that match it.
   void update_subscribers(ClientId client, std::string_view filter);
-  void schedule(SimTime now, ClientId to, const Publish& message, bool from_retained);
-  /// Whether a partition keeps the message from its receiver, now or for good.
+  /// @param aside  the message travels separately
+  void schedule(SimTime now, ClientId to, const Publish& message, bool aside, bool from_retained);
+  /// Whether a partition keeps the message, which does not travel separately, from its receiver, now or for good.
   [[nodiscard]] bool held_back(SimTime now, ClientId to, const Publish& message, bool from_retained);
   void enqueue(SimTime at, ClientId to, const Publish& message, bool from_retained);
 
@@ -159,8 +166,8 @@ class Network {
   std::set<std::string> known_topics_;  ///< those of subscribers_, to find the ones with a common beginning
   std::vector<Queued> queue_;           ///< a heap, earliest first
   std::deque<Delivery> slots_;          ///< a slot stays where it is while others are added
-  std::vector<std::size_t> free_slots_;
-  std::vector<std::size_t> due_;  ///< being delivered
+  std::vector<Delivery*> free_slots_;
+  std::vector<Delivery*> due_;    ///< being delivered
   std::vector<Sending> sending_;  ///< by time, equal ones in the order in which they were sent
   std::uint64_t sequence_{0};
   Counters counters_;

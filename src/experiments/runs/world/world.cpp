@@ -415,7 +415,7 @@ struct World::Impl {
   }
 
   void play() {
-    if (!player || player->done() || !actors[server_id].alive || now < next_check) return;
+    if (player->done() || !actors[server_id].alive || now < next_check) return;
     fleet_whole = fleet_whole || fleet_is_complete(server(), options.aivs);
     if (!fleet_whole) {
       next_check = now + check_period;
@@ -453,7 +453,7 @@ struct World::Impl {
     for (CoreStore* const store : table.stores) {
       if (const auto due_at = store->next_due(); due_at && *due_at <= now) store->work(now);
     }
-    play();
+    if (player) play();
     while (!ticks.empty() && ticks.top().at <= now) {
       const Tick tick = ticks.top();
       ticks.pop();

@@ -196,10 +196,16 @@ Traffic::Leader Traffic::ahead_within(VehicleIndex index, double limit_m) const 
 void Traffic::update_holds() {
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
     Vehicle& vehicle = vehicles_[v];
-    vehicle.needs.clear();
-    if (!vehicle.position) continue;
+    if (!vehicle.position) {
+      vehicle.needs.clear();
+      continue;
+    }
     const double base_m = base_left_m(v, *vehicle.position).value_or(0.0);
+    std::optional<BaseLeft>& known = base_left_[v];
+    if (known && known->needs_known) continue;
+    vehicle.needs.clear();
     map_->crossings_on(*vehicle.position, base_m, vehicle.needs, remaining(v));
+    if (known) known->needs_known = true;
   }
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {
     VehicleIndex& holder = holders_[x];

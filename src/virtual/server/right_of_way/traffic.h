@@ -206,6 +206,7 @@ class Traffic {
   struct BaseLeft {
     zone::TrackPosition position;
     std::optional<double> left_m;
+    bool needs_known{false};  ///< Vehicle::needs are those of this base
   };
   [[nodiscard]] bool goes_before(const Request& a, const Request& b) const;
   /// The time that `other`, whose turn is earlier and which waits for a third vehicle, would wait for `mine` in
