@@ -389,6 +389,28 @@ TEST(AgentOffPath, stays_where_an_abandoned_manoeuvre_left_it) {
   EXPECT_TRUE(fixture.agent.vehicle().order().active()) << "its route still passes here";
 }
 
+TEST(AgentOffPath, completes_on_joinLine_a_manoeuvre_that_was_abandoned_with_its_order) {
+  OffPathFixture fixture;
+  fixture.take(order("O-1").through({"T", "T1"}));
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.pose().heading_rad < 0.5; }, 5.0));
+  ASSERT_TRUE(fixture.agent.vehicle().progress().begin_cancel());
+  fixture.run(1.0);
+  ASSERT_TRUE(fixture.world.manoeuvring());
+  ASSERT_FALSE(fixture.agent.vehicle().order().active());
+  const Pose2 there = fixture.world.pose();
+  fixture.run(1.0);
+  EXPECT_EQ(fixture.world.pose(), there);
+  ASSERT_TRUE(fixture.agent.vehicle().join_line({0.7, 0.0, 0.0}));
+  EXPECT_EQ(fixture.agent.vehicle().join_line({0.7, 0.0, 0.0}).error().code, "join.busy");
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.world.on_line(); }, 10.0));
+  fixture.run(0.5);
+  EXPECT_FALSE(fixture.agent.vehicle().joining());
+  EXPECT_FALSE(fixture.agent.vehicle().position().off_path());
+  fixture.take(order("O-2").through({"T", "T1"}));
+  fixture.run(10.0);
+  EXPECT_THAT(fixture.traversed, ElementsAre("T1"));
+}
+
 TEST(AgentOffPath, that_is_too_far_away_refuses_an_order_with_the_distance) {
   Agent agent{square()};
   agent.vehicle().estimator().set_off_path({0.5, 0.5, 0.0});

@@ -89,7 +89,11 @@ Result<void> VehicleState::initialise_position(const Pose2& X_MB, std::string la
 
 Result<void> VehicleState::join_line(const Pose2& X_MG) {
   if (!estimator_.near_path()) return fail("join.on_line", "the vehicle is not off-path");
-  if (estimator_.off_path_estimator().manoeuvring()) return fail("join.busy", "the vehicle is joining a path already");
+  if (estimator_.off_path_estimator().manoeuvring()) {
+    if (joining_ || order().active() || progress_.cancelling())
+      return fail("join.busy", "the vehicle is joining a path already");
+    return complete_manoeuvre();
+  }
   const double far_m = distance(estimator_.pose(), X_MG);
   if (!(far_m <= join_within_m)) {
     return fail("join.too_far", "the pose is " + std::to_string(far_m) + " m away, further than " +
@@ -100,6 +104,10 @@ Result<void> VehicleState::join_line(const Pose2& X_MG) {
       std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
     return fail("join.no_line", "no path of '" + zone_.name + "' passes there in that direction");
   estimator_.aim(line->position);
+  return complete_manoeuvre();
+}
+
+Result<void> VehicleState::complete_manoeuvre() {
   watch_.clear_entry();
   joining_ = true;
   return {};

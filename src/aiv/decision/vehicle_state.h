@@ -39,6 +39,7 @@ class VehicleState {
   /// joinLine: drives onto the path at this pose, which lies along the path, with or without an order; in force until
   /// the vehicle is there or another pose is commanded. Fails ("join.on_line", "join.busy", "join.too_far",
   /// "join.no_line").
+  /// A manoeuvre that was abandoned with its order is completed instead: PILS takes no other goal before.
   [[nodiscard]] Result<void> join_line(const Pose2& X_MG);
   /// backUp: drives backwards along the path, slowly and without sensing: the sender of the command has checked the
   /// floor behind the vehicle. 0 ends the backUp; an order ends it, too. Fails ("back_up.off_path", "back_up.order",
@@ -67,6 +68,7 @@ class VehicleState {
   void archive(Archive& archive);                ///< the state, for a snapshot
 
  private:
+  Result<void> complete_manoeuvre();
   void follow_order() { estimator_.follow(order().course_from(estimator_.track_position())); }
   /// The estimated position jumped: the order continues from there, or is dropped.
   void on_relocated();
