@@ -27,6 +27,19 @@ bool on_line(const PositionEstimator& estimator, const zone::Circuit& circuit) {
          std::fabs(X_BP.heading_rad) <= on_line_rad;
 }
 
+/// The position of the pose at which a vehicle at X_MB is to join a path.
+Result<zone::TrackPosition> entry_position(const zone::TrafficZone& zone, const Pose2& X_MB, const Pose2& X_MG) {
+  const double far_m = distance(X_MB, X_MG);
+  if (!(far_m <= join_within_m)) {
+    return fail("join.too_far", "the pose is " + std::to_string(far_m) + " m away, further than " +
+                                    std::to_string(join_within_m) + " m");
+  }
+  const auto line = zone::snap_to_path(zone.circuit, X_MG, join_off_m_max);
+  if (!line || std::fabs(wrap_angle(zone.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
+    return fail("join.no_line", "no path of '" + zone.name + "' passes there in that direction");
+  return line->position;
+}
+
 }  // namespace
 
 VehicleState::VehicleState(const zone::TrafficZone& zone, bool one_way)
@@ -89,25 +102,13 @@ Result<void> VehicleState::initialise_position(const Pose2& X_MB, std::string la
 
 Result<void> VehicleState::join_line(const Pose2& X_MG) {
   if (!estimator_.near_path()) return fail("join.on_line", "the vehicle is not off-path");
-  if (estimator_.off_path_estimator().manoeuvring()) {
-    if (joining_ || order().active() || progress_.cancelling())
-      return fail("join.busy", "the vehicle is joining a path already");
-    return complete_manoeuvre();
+  if (!estimator_.off_path_estimator().manoeuvring()) {
+    const auto position = entry_position(zone_, estimator_.pose(), X_MG);
+    if (!position) return tl::unexpected(position.error());
+    estimator_.aim(*position);
+  } else if (joining_ || order().active() || progress_.cancelling()) {
+    return fail("join.busy", "the vehicle is joining a path already");
   }
-  const double far_m = distance(estimator_.pose(), X_MG);
-  if (!(far_m <= join_within_m)) {
-    return fail("join.too_far", "the pose is " + std::to_string(far_m) + " m away, further than " +
-                                    std::to_string(join_within_m) + " m");
-  }
-  const auto line = zone::snap_to_path(zone_.circuit, X_MG, join_off_m_max);
-  if (!line ||
-      std::fabs(wrap_angle(zone_.circuit.pose_at(line->position).heading_rad - X_MG.heading_rad)) > on_line_rad)
-    return fail("join.no_line", "no path of '" + zone_.name + "' passes there in that direction");
-  estimator_.aim(line->position);
-  return complete_manoeuvre();
-}
-
-Result<void> VehicleState::complete_manoeuvre() {
   watch_.clear_entry();
   joining_ = true;
   return {};

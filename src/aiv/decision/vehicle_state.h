@@ -68,7 +68,6 @@ class VehicleState {
   void archive(Archive& archive);                ///< the state, for a snapshot
 
  private:
-  Result<void> complete_manoeuvre();
   void follow_order() { estimator_.follow(order().course_from(estimator_.track_position())); }
   /// The estimated position jumped: the order continues from there, or is dropped.
   void on_relocated();

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/aiv/onboard/onboard_fixture.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/aiv/order/instant_actions.h"
 
 namespace cosiva::aiv {
 namespace {

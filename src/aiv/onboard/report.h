@@ -6,9 +6,9 @@
 
 #include "cosiva/aiv/decision/agent.h"
 #include "cosiva/aiv/onboard/boards_link.h"
-#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/own/own_messages.h"
 
