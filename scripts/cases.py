@@ -29,7 +29,7 @@ PATIENCE_S = 1200  # for all repetitions; a host was overloaded for up to four c
 START = re.compile(r"\s*Start\s+(\d+): (.*)")
 END = re.compile(r"\s*\d+/\d+ Test\s+#(\d+): .*? (?=\.{3})")
 OUTPUT_BYTES = "20000000"  # of a test, kept by ctest: a suite's output tells the results of its cases
-REASON = re.compile(r"^.*(?:\bnot ok \d|: Failure$|\b[Ee]rror: (?:\|-\n)?|\[  FAILED  \] |runtime error|Timeout).*$", re.MULTILINE)
+REASON = re.compile(r"^.*(?:\bnot ok \d|✖ (?!failing tests)|: Failure$|\b[Ee]rror: (?:\|-\n)?|Error \[\w+\]: |\[  FAILED  \] |runtime error|Timeout).*$", re.MULTILINE)
 REASONS = 12  # lines of a failed test that the list at the end repeats
 CASE = re.compile(r"^\[ (?:      OK| FAILED ) \] ([^\s,]+).* \((\d+) ms\)$", re.MULTILINE)
 

@@ -24,6 +24,11 @@ NODE = """# Subtest: a stop holds
       ...
 not ok 1 - accepted
 """
+SPEC = """▶ axe finds no violation
+    ✖ tags and beacons (4044.509248ms)
+      AssertionError [ERR_ASSERTION]: color-contrast: Elements must meet minimum ratios
+✖ failing tests:
+"""
 GOOGLE = """[ RUN      ] Plant.stops
 plant_test.cpp:12: Failure
 Expected equality of these values:
@@ -70,6 +75,8 @@ class Judged(unittest.TestCase):
 
     def test_the_list_at_the_end_repeats_the_lines_that_name_a_failure(self):
         for output, reasons in ((NODE, ["not ok 2 - a stop holds", "error: |- not within 60000 ms: all drive", "not ok 1 - accepted"]),
+                                (SPEC, ["✖ tags and beacons (4044.509248ms)",
+                                        "AssertionError [ERR_ASSERTION]: color-contrast: Elements must meet minimum ratios"]),
                                 (GOOGLE, ["plant_test.cpp:12: Failure", "[  FAILED  ] Plant.stops (3 ms)"])):
             file = self.folder / "output"
             file.write_text(output)

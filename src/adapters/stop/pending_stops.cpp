@@ -42,7 +42,8 @@ PendingStops::Messages PendingStops::begin(const std::string& id, std::span<cons
 PendingStops::Messages PendingStops::due(SimTime now) {
   Messages messages;
   for (auto& [topic, pending] : pending_) {
-    const auto period = now - pending.begun < times_.frequent_for ? times_.resend : times_.resend_later;
+    const bool often = pending.target.is_cosiva && now - pending.begun < times_.frequent_for;
+    const auto period = often ? times_.resend : times_.resend_later;
     if (now - pending.sent >= period) messages.push_back(message(pending, now));
   }
   return messages;

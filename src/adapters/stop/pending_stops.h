@@ -28,11 +28,11 @@ class PendingStops {
  public:
   static constexpr std::uint32_t first_header_id = std::uint32_t{1} << 31U;
   struct Times {
-    std::chrono::milliseconds resend{100};
+    std::chrono::milliseconds resend{100};  ///< of our vehicles, which perform an action once
     std::chrono::milliseconds alarm{500};
     /// After this time the vehicle is probably not connected, and the resend period is `resend_later`.
     std::chrono::milliseconds frequent_for{10'000};
-    std::chrono::milliseconds resend_later{1'000};
+    std::chrono::milliseconds resend_later{1'000};  ///< and always of third-party vehicles
     std::chrono::milliseconds restart_arrives_within{10'000};
   };
   PendingStops() : PendingStops(Times{}) {}

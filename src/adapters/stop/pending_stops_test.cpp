@@ -21,7 +21,8 @@ constexpr SimTime start{std::chrono::hours{470'000}};
 
 wire::StopTarget target(const std::string& serial, bool latched = false) {
   const wire::VehicleId id{"CoSiVA", serial};
-  return {to_string(id), id, wire::vda_topic(id, "instantActions"), wire::vda_topic(id, "state"), "2.1.0", latched};
+  return {to_string(id), id,  wire::vda_topic(id, "instantActions"), wire::vda_topic(id, "state"), "2.1.0",
+          latched,       true};
 }
 
 std::string state(bool paused, const std::string& action_id = {}) {
@@ -146,6 +147,18 @@ TEST(PendingStops, end_for_the_vehicles_that_may_drive_again) {
   EXPECT_THAT(stops.unconfirmed(), ElementsAre(Pair("S1", ElementsAre("CoSiVA/AIV2"))));
   EXPECT_TRUE(stops.lift(std::array<std::string, 1>{"*"}, start));
   EXPECT_TRUE(stops.empty());
+}
+
+TEST(PendingStops, are_repeated_once_a_second_to_a_vehicle_that_may_perform_an_action_twice) {
+  PendingStops stops;
+  wire::StopTarget third_party = target("AIV1");
+  third_party.is_cosiva = false;
+  (void)stops.begin("S1", std::array{third_party, target("AIV2")}, start);
+  EXPECT_THAT(stops.due(start + 100ms), SizeIs(1));
+  EXPECT_THAT(stops.due(start + 999ms), SizeIs(1));
+  const auto both = stops.due(start + 1'100ms);
+  ASSERT_THAT(both, SizeIs(2));
+  EXPECT_EQ(read(both[0]).actions[0].action_id, "S1");
 }
 
 TEST(PendingStops, soon_after_a_restart_are_confirmed_only_by_a_state_that_lists_the_action) {

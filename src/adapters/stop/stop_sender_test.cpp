@@ -27,7 +27,8 @@ using testing::timeout;
 
 wire::StopTarget target(const std::string& serial, bool latched = false) {
   const wire::VehicleId id{"CoSiVA", serial};
-  return {to_string(id), id, wire::vda_topic(id, "instantActions"), wire::vda_topic(id, "state"), "2.1.0", latched};
+  return {to_string(id), id,  wire::vda_topic(id, "instantActions"), wire::vda_topic(id, "state"), "2.1.0",
+          latched,       true};
 }
 
 /// A broker, a sender, and vehicles on a loop of the test.

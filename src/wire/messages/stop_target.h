@@ -15,6 +15,8 @@ struct StopTarget {
   std::string state_topic;
   std::string version;  ///< as the vehicle writes it; empty: not known yet
   bool latched{false};  ///< the core wants the vehicle stopped, and publishes this itself until it is confirmed
+  /// A CoSiVA vehicle: a message that arrives twice is performed once.
+  bool is_cosiva{false};
   friend bool operator==(const StopTarget&, const StopTarget&) = default;
 };
 

@@ -151,13 +151,18 @@ void Commands::begin(Command command) {
   }
   const bool ends_restart = supersede(command);
   std::vector<wire::Action> actions;
+  auto first = InstantActionSender::First::now;
   switch (kind) {
     case OperatorCommandKind::stop:
       proxy.settings.on_stop();
       actions.push_back(action("startPause"));
       // A restart that is not confirmed yet may arrive after the Stop that was published already, which the vehicle
       // performs once: what follows the restart on this connection is another action then.
-      if (!ends_restart) actions.back().action_id = command.action_id;
+      if (!ends_restart && !command.action_id.empty()) {
+        actions.back().action_id = command.action_id;
+        // A third-party vehicle may perform both messages of one action: the second one after a restart.
+        if (!proxy.is_cosiva()) first = InstantActionSender::First::elsewhere;
+      }
       break;
     case OperatorCommandKind::restart:
       actions.push_back(action("stopPause"));
@@ -182,7 +187,7 @@ void Commands::begin(Command command) {
   }
   const bool until_confirmed = kind == OperatorCommandKind::stop;
   command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions),
-                                       until_confirmed ? InstantActionSender::without_end : timeout, true);
+                                       until_confirmed ? InstantActionSender::without_end : timeout, true, first);
   if (!proxy.online()) command.reason = proxy.name() + " is not connected; the command holds when it is back";
   keep(std::move(command));
 }

@@ -67,6 +67,30 @@ TEST_F(CommandFixture, stop_that_was_published_already_has_the_same_action_for_e
   EXPECT_EQ(state_of("S1.AIV2"), "materialised");
 }
 
+TEST_F(CommandFixture,
+       stop_that_was_published_already_is_only_repeated_to_a_third_party_vehicle_that_does_not_list_it) {
+  FixtureVehicle& third_party = fixture.add("R1", {2, 0.5}, "Acme");
+  fixture.run_for(1s);
+  const auto stops = [&](std::size_t begin) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < fixture.published.size(); ++i) {
+      const auto actions = vda::decode_instant_actions(fixture.published[i].payload);
+      if (actions && actions->header.manufacturer == "Acme" && actions->actions[0].action_id == "S1") ++count;
+    }
+    return count;
+  };
+  const std::size_t before = fixture.published.size();
+  fixture.send_command(R"({"id":"S1","command":"stop","vehicle":"Acme/R1","actionId":"S1"})");
+  EXPECT_EQ(stops(before), 0U);
+  fixture.run_for(InstantActionSender::resend_after - 20ms);
+  EXPECT_EQ(stops(before), 0U);
+  fixture.run_for(40ms);
+  EXPECT_EQ(stops(before), 1U);
+  fixture.run_for(2s);
+  EXPECT_TRUE(third_party.paused);
+  EXPECT_EQ(state_of("S1"), "materialised");
+}
+
 TEST_F(CommandFixture, stop_after_a_restart_that_is_not_confirmed_is_another_action_than_the_one_published_already) {
   fixture.run_for(1s);
   fixture.command("stop", "CoSiVA/AIV1");

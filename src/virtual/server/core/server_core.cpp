@@ -272,7 +272,7 @@ std::vector<wire::StopTarget> ServerCore::stop_targets() const {
     if (proxy.retired() || proxy.augmented() || proxy.membership.handed_over()) continue;
     targets.push_back({proxy.name(), proxy.id(), proxy.identity.actions_topic(),
                        wire::vda_topic(proxy.id(), "state", registry.interface_name()), proxy.received.version(),
-                       impl_->parts.master.intentions.of(proxy.name()).stopped});
+                       impl_->parts.master.intentions.of(proxy.name()).stopped, proxy.is_cosiva()});
   }
   return targets;
 }

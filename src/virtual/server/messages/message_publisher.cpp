@@ -97,7 +97,7 @@ bool InstantActionSender::PendingAction::acknowledged() const {
 
 InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, VehicleIndex vehicle,
                                                             std::vector<wire::Action> actions, SimDuration timeout,
-                                                            bool keep) {
+                                                            bool keep, First first) {
   COSIVA_EXPECT(!actions.empty());
   const ActionHandle handle = ++last_handle_;
   COSIVA_EXPECT(pending_.empty() || pending_.back().handle < handle);
@@ -110,7 +110,7 @@ InstantActionSender::ActionHandle InstantActionSender::send(AivProxy& proxy, Veh
     if (id.empty()) id = i == 0 ? stem : stem + "." + std::to_string(i);
     pending_action.actions.push_back({message.actions[i].action_id, false, wire::ActionStatus::waiting, {}});
   }
-  publisher_.send(proxy, message);
+  if (first == First::now) publisher_.send(proxy, message);
   pending_.push_back(std::move(pending_action));
   return handle;
 }

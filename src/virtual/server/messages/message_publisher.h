@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -95,11 +96,15 @@ class InstantActionSender {
     [[nodiscard]] bool acknowledged() const;
   };
 
+  enum class First : std::uint8_t {
+    now,
+    elsewhere,  ///< another connection has sent the message, with these ids; here it is only repeated
+  };
   /// Assigns an id to every action that has none, and sends all actions in one message.
   /// @param timeout  how long the message is repeated; zero: sent only once
   /// @param keep     the caller follows the action and drops it
   ActionHandle send(AivProxy& proxy, VehicleIndex vehicle, std::vector<wire::Action> actions, SimDuration timeout,
-                    bool keep);
+                    bool keep, First first = First::now);
   [[nodiscard]] const PendingAction* find(ActionHandle handle) const;
   void drop(ActionHandle handle);
   void on_state(VehicleIndex vehicle, const wire::State& state);
