@@ -40,6 +40,17 @@ TEST_F(Awaited, are_all_vehicles_that_reported_before_the_restart) {
   EXPECT_FALSE(server.logged("have not reported"));
 }
 
+TEST_F(Awaited, count_with_the_base_that_they_reported_before_the_zone_was_known) {
+  server.forget_zone();
+  restart();
+  server.run_for(1500ms);
+  ASSERT_EQ(server.server->zone(), nullptr);
+  other.alive = false;
+  server.feed(wire::InputKind::message, "cosiva/v1/zone/toml", oval().text, true);
+  server.run_for(100ms);
+  EXPECT_TRUE(server.logged("CoSiVA/AIV2: took over order"));
+}
+
 TEST_F(Awaited, are_given_up_after_ten_seconds) {
   other.alive = false;
   restart();

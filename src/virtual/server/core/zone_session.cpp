@@ -112,6 +112,16 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
     // Until its next report, the vehicle is shown on the new zone at its last position, stopped.
     twins_.put(v, context_.now, *proxy.position.pose(), wire::Velocity{});
   }
+  if (from.empty()) adopt_orders();
+}
+
+void ZoneSession::adopt_orders() {
+  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
+    const AivProxy& proxy = context_.registry[v];
+    const std::string& map_id = proxy.position.map_id();
+    if (!proxy.retired() && proxy.state() != nullptr && (map_id.empty() || map_id == map_->zone().name))
+      master_.orders.on_state(v, nullptr);
+  }
 }
 
 void ZoneSession::notify_all(const WaypointGraph* graph) {

@@ -46,6 +46,9 @@ class ServerFixture {
       send(*vehicle, "connection", vda::encode(vehicle->connection(now, wire::ConnectionState::online)), true);
   }
 
+  /// From its next start on, the server has to receive the zone.
+  void forget_zone() { options_.zone.reset(); }
+
   FixtureVehicle& add(const std::string& serial, zone::TrackPosition start,
                       const std::string& manufacturer = "CoSiVA") {
     vehicles.push_back(std::make_unique<FixtureVehicle>(zone, wire::VehicleId{manufacturer, serial}, start));
