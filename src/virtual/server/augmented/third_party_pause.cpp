@@ -45,7 +45,9 @@ void ThirdPartyPause::evaluate(VehicleIndex vehicle, const Pose2& X_MB, std::spa
     return;
   }
   if (proxy.settings.paused_for_body()) pauses_[vehicle].body = blocking->body->id;
-  if (proxy.settings.paused_for_body() || proxy.state()->paused || proxy.supports("startPause") == std::optional{false})
+  // The end of this pause would lift a Stop that the vehicle has not confirmed yet.
+  if (proxy.settings.paused_for_body() || proxy.state()->paused || proxy.settings.stop_awaited() ||
+      proxy.supports("startPause") == std::optional{false})
     return;
   proxy.settings.on_body_in_path();
   pauses_[vehicle].body = blocking->body->id;

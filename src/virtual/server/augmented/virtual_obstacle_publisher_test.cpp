@@ -442,6 +442,17 @@ TEST_F(PausedVehicle, is_not_paused_again_where_it_reports_that_it_is_paused) {
   EXPECT_EQ(pauses.changes(), 0U);
 }
 
+TEST_F(PausedVehicle, is_not_paused_while_an_operators_stop_is_awaited_whose_end_the_pause_would_be) {
+  orders.proxy(vehicle).settings.await_stop(true);
+  evaluate(body_at(1.0));
+  EXPECT_FALSE(orders.proxy(vehicle).settings.paused_for_body());
+  pauses.let_go(vehicle);
+  EXPECT_EQ(pauses.changes(), 0U) << "no stopPause";
+  orders.proxy(vehicle).settings.await_stop(false);
+  evaluate(body_at(1.0));
+  EXPECT_TRUE(orders.proxy(vehicle).settings.paused_for_body());
+}
+
 /// The publisher without a server around it; physical vehicle 0 at (0.5, 0) with heading +x.
 class BodyPublisher : public testing::Test {
  protected:

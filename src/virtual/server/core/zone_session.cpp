@@ -11,6 +11,16 @@ namespace {
 /// A broker sends its retained messages at once after a subscription.
 constexpr SimDuration retained_within{std::chrono::milliseconds{300}};
 
+/// With the first zone: a base that a vehicle reported before the zone was known counts from now on, not from its next
+/// report on, which may be lost.
+void adopt_orders(const ServerContext& context, OrderManager& orders, const std::string& zone) {
+  for (VehicleIndex v = 0; v < context.registry.size(); ++v) {
+    const AivProxy& proxy = context.registry[v];
+    const std::string& map_id = proxy.position.map_id();
+    if (!proxy.retired() && proxy.state() != nullptr && (map_id.empty() || map_id == zone)) orders.on_state(v, nullptr);
+  }
+}
+
 }  // namespace
 
 void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source source) {
@@ -112,16 +122,7 @@ void ZoneSession::start_over(const std::shared_ptr<const zone::TrafficZone>& zon
     // Until its next report, the vehicle is shown on the new zone at its last position, stopped.
     twins_.put(v, context_.now, *proxy.position.pose(), wire::Velocity{});
   }
-  if (from.empty()) adopt_orders();
-}
-
-void ZoneSession::adopt_orders() {
-  for (VehicleIndex v = 0; v < context_.registry.size(); ++v) {
-    const AivProxy& proxy = context_.registry[v];
-    const std::string& map_id = proxy.position.map_id();
-    if (!proxy.retired() && proxy.state() != nullptr && (map_id.empty() || map_id == map_->zone().name))
-      master_.orders.on_state(v, nullptr);
-  }
+  if (from.empty()) adopt_orders(context_, master_.orders, map_->zone().name);
 }
 
 void ZoneSession::notify_all(const WaypointGraph* graph) {

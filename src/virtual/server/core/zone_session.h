@@ -85,9 +85,6 @@ class ZoneSession {
   [[nodiscard]] bool waits_for_others(const zone::ZoneConfiguration& configuration, Source source);
   bool take(const zone::ZoneConfiguration& configuration);
   void drive_on(const std::shared_ptr<const zone::TrafficZone>& zone);
-  /// The first zone: a base that a vehicle reported before the zone was known counts from now on, not from its next
-  /// report on, which may be lost.
-  void adopt_orders();
   void start_over(const std::shared_ptr<const zone::TrafficZone>& zone);
   void notify_all(const WaypointGraph* map);
   void publish();

@@ -42,6 +42,8 @@ class OperatorSettings {
   [[nodiscard]] std::int32_t priority() const { return priority_; }  ///< higher goes first at a crossing
   [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
   [[nodiscard]] bool no_orders() const { return no_orders_ || stop_awaited_; }
+  /// An operator's Stop holds, and the vehicle has not confirmed it.
+  [[nodiscard]] bool stop_awaited() const { return stop_awaited_; }
   [[nodiscard]] bool paused_for_body() const { return paused_for_body_; }
   void archive(Archive& archive);  ///< the state, for a snapshot
 
