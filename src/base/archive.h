@@ -107,7 +107,7 @@ class Archive : public ArchiveBytes {
   /// A value that no present container or optional has, for the layout only.
   template <typename T>
   void describe_type() {
-    if constexpr (std::default_initializable<T>) {
+    if constexpr (requires { T{}; }) {
       if (layout_ == nullptr || layout_->contains(typeid(T).name())) return;
       T sample{};
       store(sample);

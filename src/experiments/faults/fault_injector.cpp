@@ -12,8 +12,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// A broker ends a connection after one and a half times the client's keep-alive of 5 s without a message.
 constexpr SimDuration step_duration = milliseconds{20};
+/// A broker ends a connection after one and a half times the client's keep-alive of 5 s without a message.
 constexpr SimDuration connection_ends_after = milliseconds{7500};
 constexpr SimDuration reconnect_min = milliseconds{50};
 constexpr SimDuration reconnect_max = seconds{2};

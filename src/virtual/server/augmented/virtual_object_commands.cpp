@@ -52,10 +52,14 @@ const VirtualFleet::Host* VirtualObjectCommands::find_aiv(std::string_view id) c
   return nullptr;
 }
 
+bool VirtualObjectCommands::in_use(std::string_view id) const {
+  return simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr || restored_.find(id) != nullptr;
+}
+
 std::string VirtualObjectCommands::next_id(std::string_view kind) const {
   for (std::uint32_t n = 1;; ++n) {
     std::string id = std::string(letter_of(kind)) + std::to_string(n);
-    if (simulator_.augmented().find(id) == nullptr && find_aiv(id) == nullptr) return id;
+    if (!in_use(id)) return id;
   }
 }
 
@@ -66,6 +70,7 @@ std::string VirtualObjectCommands::known_virtual_objects() const {
   };
   for (const VirtualObject& virtual_object : simulator_.augmented().virtual_objects()) add(virtual_object.id);
   for (const VirtualFleet::Host& host : fleet_.hosts()) add(registry_[host.vehicle].id().serial_number);
+  for (const RestoredAivs::Aiv& aiv : restored_.aivs()) add(aiv.serial);
   return names.empty() ? "there is none yet; add one first" : "there are " + names;
 }
 
@@ -79,7 +84,7 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const RemoveCommand& co
   requested.act = VirtualObjectCommand::Act::remove;
   requested.id = command.id;
   if (requested.id == "*" || simulator_.augmented().find(requested.id) != nullptr) return requested;
-  if (find_aiv(requested.id) != nullptr) {
+  if (in_use(requested.id)) {
     requested.is_aiv = true;
     return requested;
   }
@@ -94,7 +99,7 @@ Result<void> VirtualObjectCommands::check_id(std::string_view id) const {
   }
   if (is_detected_id(id))
     return fail("virtual_object.id", "S1, S2 … are the ids of obstacles that vehicles detect; choose another id", "id");
-  if (simulator_.augmented().find(id) != nullptr || find_aiv(id) != nullptr) {
+  if (in_use(id)) {
     return fail("virtual_object.taken",
                 "the id '" + cut(id) + "' is in use; choose another id, move that object, or remove it", "id");
   }
@@ -119,7 +124,8 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const AddCommand& comma
   } else {
     requested.id = next_id(kind);
   }
-  if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() >= Augmented::virtual_objects_max) {
+  if (simulator_.augmented().virtual_objects().size() + fleet_.hosts().size() + restored_.aivs().size() >=
+      Augmented::virtual_objects_max) {
     return fail("virtual_object.many",
                 "there are " + std::to_string(Augmented::virtual_objects_max) +
                     " virtual objects already; remove one that is no longer needed, then try again");
@@ -154,7 +160,7 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const MoveCommand& comm
   requested.act = VirtualObjectCommand::Act::move;
   if (!virtual_object.id) return fail("virtual_object.id", "give the id of the virtual object to move", "id");
   requested.id = *virtual_object.id;
-  if (find_aiv(requested.id) != nullptr) {
+  if (find_aiv(requested.id) != nullptr || restored_.find(requested.id) != nullptr) {
     return fail("virtual_object.aiv", "a virtual AIV cannot be moved; remove it and add it at the new start", "id");
   }
   const VirtualObject* known = simulator_.augmented().find(requested.id);

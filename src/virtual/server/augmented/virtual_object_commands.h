@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cosiva/base/result.h"
+#include "cosiva/virtual/server/augmented/restored_aivs.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/registry/registry.h"
@@ -36,8 +37,8 @@ class VirtualObjectCommands {
   static constexpr double speed_mps_max = 3.0;
 
   VirtualObjectCommands(const Registry& registry, const Simulator& simulator, const VirtualFleet& fleet,
-                        const MessagePublisher& publisher)
-      : registry_{registry}, simulator_{simulator}, fleet_{fleet}, publisher_{publisher} {}
+                        const RestoredAivs& restored, const MessagePublisher& publisher)
+      : registry_{registry}, simulator_{simulator}, fleet_{fleet}, restored_{restored}, publisher_{publisher} {}
 
   [[nodiscard]] Result<VirtualObjectCommand> read(const AddCommand& command) const;
   [[nodiscard]] Result<VirtualObjectCommand> read(const MoveCommand& command) const;
@@ -71,11 +72,14 @@ class VirtualObjectCommands {
   [[nodiscard]] Result<Walk> read_walk(const VirtualObjectFields& virtual_object, bool may_walk,
                                        const Walk& usual) const;
   [[nodiscard]] Result<std::vector<Point2>> read_path(const std::vector<std::optional<Point2>>& path) const;
+  /// Whether a virtual object has this id, or a virtual AIV that is in the zone or waits to be restored.
+  [[nodiscard]] bool in_use(std::string_view id) const;
   [[nodiscard]] std::string known_virtual_objects() const;
 
   const Registry& registry_;
   const Simulator& simulator_;
   const VirtualFleet& fleet_;
+  const RestoredAivs& restored_;
   const MessagePublisher& publisher_;  ///< source of the current time
 };
 

@@ -350,7 +350,9 @@ struct ObjectWorld {
 
   OrdersFixture orders;
   VirtualFleet fleet{orders.server.registry, orders.server.publisher, orders.server.options.virtual_rules, false};
-  VirtualObjectCommands commands{orders.server.registry, orders.server.simulator, fleet, orders.server.publisher};
+  RestoredAivs restored;
+  VirtualObjectCommands commands{orders.server.registry, orders.server.simulator, fleet, restored,
+                                 orders.server.publisher};
 };
 
 class ObjectCommands : public testing::Test {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cosiva/virtual/server/augmented/restored_aivs.h"
 #include "cosiva/virtual/server/augmented/virtual_fleet.h"
 #include "cosiva/virtual/server/augmented/virtual_object_commands.h"
 #include "cosiva/virtual/server/augmented/virtual_obstacle_publisher.h"
@@ -14,10 +15,11 @@ struct AugmentedParts {
   ServerContext& server;
   MasterControl& master;
   VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x};
+  RestoredAivs restored{};
   ThirdPartyPause pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
   VirtualObstaclePublisher virtual_obstacles{server.registry,  server.publisher, server.traces,
                                              server.simulator, hosted,           pauses};
-  VirtualObjectCommands objects{server.registry, server.simulator, hosted, server.publisher};
+  VirtualObjectCommands objects{server.registry, server.simulator, hosted, restored, server.publisher};
 };
 
 }  // namespace cosiva::virtual_side

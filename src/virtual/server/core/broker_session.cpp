@@ -61,14 +61,16 @@ void BrokerSession::send_heartbeat() {
 }
 
 void BrokerSession::synchronise_if_due() {
-  if (!context_.link.up() || context_.link.synchronised() || !is_synchronisation_due()) return;
-  context_.link.set_synchronised();
-  if (context_.areas.several()) {
-    world_.drop_restored();
+  if (!context_.link.up()) return;
+  const bool begins = !context_.link.synchronised();
+  if (begins && !is_synchronisation_due()) return;
+  if (begins) context_.link.set_synchronised();
+  if (begins && context_.areas.several()) {
+    augmented_.restored.clear();
     ownership_.publish_lost_owners();
   }
-  world_.put_restored();
-  world_.sign_off_orphans();
+  world_.put_restored();  // the zone may become known later than the vehicles
+  if (begins) world_.sign_off_orphans();
   COSIVA_EXPECT(context_.link.synchronised());
 }
 

@@ -134,7 +134,8 @@ void PersistedState::restore(std::string_view bytes) {
   const JsonValue* zone = state->find("zone");
   zones_.restore(zone == nullptr ? std::nullopt : std::optional{*zone}, std::move(given_zone));
   context_.publisher.log('i', "restored " + std::to_string(context_.simulator.augmented().virtual_objects().size()) +
-                                  " virtual objects and " + std::to_string(world_.restored_count()) + " virtual AIVs");
+                                  " virtual objects and " + std::to_string(augmented_.restored.aivs().size()) +
+                                  " virtual AIVs");
 }
 
 void PersistedState::restore_world(const JsonValue& state) {
@@ -154,7 +155,7 @@ void PersistedState::restore_world(const JsonValue& state) {
     const auto id = json.text("id");
     const auto section = json.text("section");
     if (id && section && wire::valid_serial_number(*id) && in(json.number("s"), 0.0, position_m_max))
-      world_.restore({*id, *section, *json.number("s")});
+      augmented_.restored.add({*id, *section, *json.number("s")});
     else
       context_.publisher.log('w', "a persisted virtual AIV cannot be read; it is skipped");
   });

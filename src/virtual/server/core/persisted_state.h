@@ -21,8 +21,8 @@ namespace cosiva::virtual_side {
 /// have been restored.
 class PersistedState {
  public:
-  PersistedState(ServerContext& context, MasterControl& master, const AugmentedParts& augmented,
-                 VehicleLifecycle& vehicles, ZoneSession& zones, VirtualWorld& world)
+  PersistedState(ServerContext& context, MasterControl& master, AugmentedParts& augmented, VehicleLifecycle& vehicles,
+                 ZoneSession& zones, const VirtualWorld& world)
       : context_{context}, master_{master}, augmented_{augmented}, vehicles_{vehicles}, zones_{zones}, world_{world} {}
 
   /// Restores the parts from the content of the state file; unreadable items are logged and skipped.
@@ -37,10 +37,10 @@ class PersistedState {
 
   ServerContext& context_;
   MasterControl& master_;
-  const AugmentedParts& augmented_;
+  AugmentedParts& augmented_;
   VehicleLifecycle& vehicles_;
   ZoneSession& zones_;
-  VirtualWorld& world_;
+  const VirtualWorld& world_;
   std::string persisted_;
   SimTime due_at_{};  ///< the positions of virtual AIVs are persisted again
 };

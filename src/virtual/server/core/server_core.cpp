@@ -76,9 +76,9 @@ void ServerCore::Impl::archive(Archive& archive) {
   archive(master.traffic, master.actions, master.missions, master.persisted_missions, master.awaited, master.orders,
           master.deadlocks, master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
   AugmentedParts& augmented = parts.augmented;
-  archive(augmented.hosted, augmented.pauses, augmented.virtual_obstacles);
+  archive(augmented.hosted, augmented.restored, augmented.pauses, augmented.virtual_obstacles);
   archive(parts.instruments.batteries, parts.instruments.gvs);
-  archive(vehicles, world, persisted, ticked_at, beginning.at, beginning.takes_earlier_commands);
+  archive(vehicles, persisted, ticked_at, beginning.at, beginning.takes_earlier_commands);
 }
 
 void ServerCore::Impl::on_command(const wire::Input& input) {

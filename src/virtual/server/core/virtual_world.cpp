@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -46,10 +45,13 @@ void VirtualWorld::follow(const VirtualObjectCommand& command) {
 void VirtualWorld::remove(const std::string& id, bool is_aiv) {
   if (id == "*") {
     context_.simulator.augmented().clear();
-    restored_.clear();
+    augmented_.restored.clear();
     while (!augmented_.hosted.empty()) remove_aiv(augmented_.hosted.hosts().back().vehicle);
   } else if (is_aiv) {
-    remove_aiv(augmented_.objects.find_aiv(id)->vehicle);
+    if (const VirtualFleet::Host* host = augmented_.objects.find_aiv(id))
+      remove_aiv(host->vehicle);
+    else
+      augmented_.restored.remove(id);
   } else {
     context_.simulator.augmented().remove(id);
   }
@@ -78,8 +80,8 @@ void VirtualWorld::remove_aiv(VehicleIndex vehicle) {
 }
 
 void VirtualWorld::put_restored() {
-  if (restored_.empty() || !context_.simulator.zone()) return;
-  for (const RestoredAiv& aiv : std::exchange(restored_, {})) {
+  if (augmented_.restored.aivs().empty() || !context_.simulator.zone()) return;
+  for (const RestoredAivs::Aiv& aiv : augmented_.restored.take()) {
     if (augmented_.objects.find_aiv(aiv.serial) != nullptr) continue;
     auto found = room_near(aiv);
     if (!found) found = augmented_.objects.roomiest();
@@ -90,7 +92,7 @@ void VirtualWorld::put_restored() {
   context_.state_stale = true;
 }
 
-std::optional<zone::TrackPosition> VirtualWorld::room_near(const RestoredAiv& aiv) const {
+std::optional<zone::TrackPosition> VirtualWorld::room_near(const RestoredAivs::Aiv& aiv) const {
   const zone::Circuit& circuit = *context_.simulator.circuit();
   const auto section = circuit.find(aiv.section);
   if (!section) return std::nullopt;
@@ -117,7 +119,7 @@ void VirtualWorld::write_state(JsonWriter& json) const {
               context_.simulator.circuit()->part(position.section).name,
               std::nearbyint(position.s_m * 1000.0) / 1000.0);
   }
-  for (const RestoredAiv& aiv : restored_) write_aiv(aiv.serial, aiv.section, aiv.s_m);
+  for (const RestoredAivs::Aiv& aiv : augmented_.restored.aivs()) write_aiv(aiv.serial, aiv.section, aiv.s_m);
   json.end_array();
 }
 
@@ -152,7 +154,5 @@ void VirtualWorld::remove_passed_obstacles() {
                         "an obstacle is removed: the vehicle drove over its position");
   }
 }
-
-void VirtualWorld::archive(Archive& archive) { archive(restored_); }
 
 }  // namespace cosiva::virtual_side

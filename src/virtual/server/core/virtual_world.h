@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/server_context.h"
@@ -21,13 +19,6 @@ class VirtualWorld {
   VirtualWorld(ServerContext& context, AugmentedParts& augmented, VehicleLifecycle& vehicles)
       : context_{context}, augmented_{augmented}, vehicles_{vehicles} {}
 
-  /// A virtual AIV of the state file, which waits until the vehicles around it are known.
-  struct RestoredAiv {
-    std::string serial;
-    std::string section;
-    double s_m;
-  };
-
   void follow(const VirtualObjectCommand& command);
   /// To be called after every possible change of the virtual world: sends each vehicle the bodies near its path.
   void update();
@@ -36,27 +27,21 @@ class VirtualWorld {
   /// Virtual AIVs of an earlier process that ended without signing off: only this server can report them offline.
   void sign_off_orphans();
 
-  void restore(RestoredAiv aiv) { restored_.push_back(std::move(aiv)); }
-  /// Adds the restored virtual AIVs, each as near to its previous position as there is room.
+  /// Once the zone is known: adds the restored virtual AIVs, each as near to its previous position as there is room.
   void put_restored();
-  /// Discards the restored virtual AIVs.
-  void drop_restored() { restored_.clear(); }
-  [[nodiscard]] std::size_t restored_count() const { return restored_.size(); }
   /// The state file's "aivs".
   void write_state(JsonWriter& json) const;
-  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   bool add_aiv(const std::string& serial, zone::TrackPosition position);
   void remove_aiv(VehicleIndex vehicle);
   /// @param id  "*" means all
   void remove(const std::string& id, bool is_aiv);
-  [[nodiscard]] std::optional<zone::TrackPosition> room_near(const RestoredAiv& aiv) const;
+  [[nodiscard]] std::optional<zone::TrackPosition> room_near(const RestoredAivs::Aiv& aiv) const;
 
   ServerContext& context_;
   AugmentedParts& augmented_;
   VehicleLifecycle& vehicles_;
-  std::vector<RestoredAiv> restored_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -15,6 +15,7 @@ using namespace fixture;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 /// The objects that operators add to the oval, and those that a state file restores.
@@ -139,13 +140,53 @@ TEST_F(Objects, that_wait_to_be_restored_are_removed_with_all_others) {
   EXPECT_FALSE(fixture.logged("added at"));
 }
 
-TEST_F(Objects, that_wait_to_be_restored_are_not_added_twice) {
+TEST_F(Objects, that_wait_to_be_restored_are_removed_by_their_id) {
+  for (const std::string id : {"V1", "CoSiVA.virtual/V1"}) {
+    restart_with_aivs(R"({"id":"V1","section":"north","s":0.3},{"id":"V2","section":"south","s":0.3})");
+    remove(id);
+    fixture.run_for(1s);
+    EXPECT_EQ(augmented(), 1.0) << id;
+    EXPECT_THAT(persisted(), Not(HasSubstr("V1"))) << id;
+  }
+}
+
+TEST_F(Objects, that_wait_to_be_restored_are_named_where_an_unknown_one_is_removed) {
+  restart_with_aivs(R"({"id":"V1","section":"north","s":0.3})");
+  remove("V7");
+  EXPECT_TRUE(fixture.logged("no virtual object is called 'V7'; there are V1"));
+}
+
+TEST_F(Objects, that_wait_to_be_restored_have_their_ids_in_use) {
   restart_with_aivs(R"({"id":"V1","section":"north","s":0.3},{"id":"V2","section":"south","s":0.3})");
   add(R"("id":"V1","kind":"aiv","section":"north","s":1.5)");
+  EXPECT_TRUE(fixture.logged("the id 'V1' is in use"));
+  fixture.send_command(R"({"command":"move","virtualObject":{"id":"V2","x":0.4,"y":0.6}})");
+  EXPECT_TRUE(fixture.logged("a virtual AIV cannot be moved"));
+  add(R"("kind":"aiv","section":"north","s":1.5)");
   fixture.run_for(1s);
-  EXPECT_EQ(augmented(), 2.0);
-  EXPECT_TRUE(fixture.logged("CoSiVA.virtual/V1: added at north, 1.500000 m"));
-  EXPECT_FALSE(fixture.logged("CoSiVA.virtual/V1: added at north, 0.300000 m"));
+  EXPECT_EQ(augmented(), 3.0);
+  EXPECT_TRUE(fixture.logged("CoSiVA.virtual/V1: added at north, 0.300000 m"));
+  EXPECT_TRUE(fixture.logged("CoSiVA.virtual/V3: added at north, 1.500000 m"));
+}
+
+TEST_F(Objects, that_are_restored_before_any_zone_is_known_are_added_when_one_is) {
+  ServerCore server{ServerOptions{}};
+  wire::Effects effects;
+  server.handle({virtual_epoch, wire::InputKind::restore, "",
+                 R"({"version":1,"virtualObjects":[],"aivs":[{"id":"V1","section":"south","s":0.5}],"paused":[]})"},
+                effects);
+  server.handle({virtual_epoch, wire::InputKind::link, "", "up"}, effects);
+  server.handle({virtual_epoch + 10s, wire::InputKind::tick, "", ""}, effects);
+  const auto augmented = [&server] {
+    return *JsonValue::parse(server.snapshot_json())->find("bijection")->number("augmented");
+  };
+  EXPECT_EQ(augmented(), 0.0);
+  const zone::ZoneConfiguration zone = oval();
+  server.handle({virtual_epoch + 11s, wire::InputKind::message, std::string(wire::zone_topic_prefix) + zone.format,
+                 zone::to_payload(zone)},
+                effects);
+  server.handle({virtual_epoch + 12s, wire::InputKind::tick, "", ""}, effects);
+  EXPECT_EQ(augmented(), 1.0);
 }
 
 TEST_F(Objects, that_cannot_be_restored_are_logged_and_persist_no_longer) {
