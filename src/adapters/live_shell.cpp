@@ -117,8 +117,12 @@ struct LiveShell::Impl : std::enable_shared_from_this<LiveShell::Impl> {
 
   /// In the order in which they were accepted, which is that of their records.
   void give_earlier_commands() {
-    if (restarting.earlier_commands.empty() || !core.takes_earlier_commands()) return;
-    for (StoredCommand& command : std::exchange(restarting.earlier_commands, {})) give(std::move(command));
+    std::deque<StoredCommand>& waiting = restarting.earlier_commands;
+    while (!waiting.empty() && core.takes_earlier_command(waiting.front().json)) {
+      StoredCommand command = std::move(waiting.front());
+      waiting.pop_front();
+      give(std::move(command));
+    }
   }
 
   void give(StoredCommand command) {

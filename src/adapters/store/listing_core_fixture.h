@@ -29,7 +29,7 @@ class ListingCore final : public wire::Core {
     state = bytes;
     return {};
   }
-  [[nodiscard]] bool takes_earlier_commands() const override { return ready; }
+  [[nodiscard]] bool takes_earlier_command(std::string_view /*json*/) const override { return ready; }
 
   std::string state;
   bool continues{true};

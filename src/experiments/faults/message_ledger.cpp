@@ -56,11 +56,12 @@ std::int64_t MessageLedger::Vehicle::missing() const {
 }
 
 void MessageLedger::Vehicle::begin_session(std::uint64_t message, std::optional<std::uint32_t> of) {
+  // What only a dropped message showed to be missing, the server does not know.
+  counts_anew = counts_anew || !exact || !all_evaluated();
   missing_before = missing();
   topics.clear();
   online = message;
   session_of = of;
-  counts_anew = counts_anew || !exact;
   exact = true;
 }
 

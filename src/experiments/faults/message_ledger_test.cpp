@@ -85,6 +85,23 @@ TEST_F(Ledger, does_not_check_a_session_whose_first_message_the_server_may_have_
   EXPECT_FALSE(holds(2, 2));
 }
 
+TEST_F(Ledger, does_not_check_the_count_of_a_session_that_ended_while_the_server_dropped_messages) {
+  receive(online(0));
+  send_states(0, 9);
+  receive_states({0});
+  EXPECT_TRUE(holds(0));
+  receive_states({2});
+  EXPECT_TRUE(holds(0, 1)) << "2 was dropped: the server does not know of 1";
+  restart();
+  receive(online(0));
+  send_states(0, 9);
+  receive_states({0});
+  EXPECT_TRUE(holds(0, 1)) << "and will not";
+  receive_states({2});
+  EXPECT_FALSE(holds(0, 1));
+  EXPECT_TRUE(holds(1, 1));
+}
+
 TEST_F(Ledger, adds_the_sessions_of_a_vehicle) {
   receive(online(0));
   send_states(0, 3);

@@ -110,7 +110,10 @@ std::string TwinMonitor::situation() const {
   for (const JsonValue& aiv : *json.find("aivs")->array()) {
     text += "\n    " + std::string(aiv.text("id").value_or("")) + ": " + aiv.text("connection").value_or("") +
             (aiv.flag("lost") == true ? ", lost" : "") + (aiv.flag("paused") == true ? ", paused" : "") + ", order '" +
-            aiv.text("orderId").value_or("") + "'";
+            aiv.text("orderId").value_or("") + "', on " + aiv.text("section").value_or("no section") + " at " +
+            std::to_string(aiv.number("s").value_or(0.0)) + " m (" + std::to_string(aiv.number("x").value_or(0.0)) +
+            ", " + std::to_string(aiv.number("y").value_or(0.0)) + "), last node '" +
+            aiv.text("lastNode").value_or("") + "'";
     for (const char* field : {"waitsFor", "brakingFor", "offRoute"})
       if (const auto value = aiv.text(field)) text += ", " + std::string(field) + " " + *value;
     const JsonValue* errors = aiv.find("errors");

@@ -115,9 +115,9 @@ class Core {
   [[nodiscard]] virtual SimDuration tick_period() const = 0;
   [[nodiscard]] virtual std::vector<std::string> subscriptions() const = 0;  ///< MQTT topic filters, constant
   [[nodiscard]] virtual std::optional<Will> will() const { return std::nullopt; }
-  /// Whether this core can carry out commands that an earlier process accepted and was not given: a core may have to
-  /// learn first what they are about. Once true, it stays so.
-  [[nodiscard]] virtual bool takes_earlier_commands() const { return true; }
+  /// Whether this core can carry out a command that an earlier process accepted and was not given: a core may have to
+  /// learn first what the command is about.
+  [[nodiscard]] virtual bool takes_earlier_command(std::string_view /*json*/) const { return true; }
   /// Last messages before a clean end (VDA 5050: OFFLINE before DISCONNECT).
   virtual void farewell(SimTime /*now*/, Effects& /*effects*/) {}
   /// Folds the core's state at the end into the run's digest.

@@ -242,8 +242,12 @@ struct World::Impl {
 
   void give_earlier_commands(ActorId server) {
     Actor& actor = actors[server];
-    if (actor.earlier_commands.empty() || !actor.alive || !actor.core->takes_earlier_commands()) return;
-    for (auto& [json, decided] : std::exchange(actor.earlier_commands, {})) give_stored(server, json, decided);
+    auto& waiting = actor.earlier_commands;
+    while (!waiting.empty() && actor.alive && actor.core->takes_earlier_command(waiting.front().first)) {
+      const auto [json, decided] = std::move(waiting.front());
+      waiting.pop_front();
+      give_stored(server, json, decided);
+    }
   }
 
   /// Gives a server a command whose record is durable.

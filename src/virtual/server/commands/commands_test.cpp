@@ -907,9 +907,9 @@ TEST_F(CommandFixture, a_command_that_is_not_stored_does_not_hold_for_an_unknown
 
 TEST_F(CommandFixture, commands_of_an_earlier_process_wait_until_its_vehicles_are_known_again) {
   fixture.restart_server();
-  EXPECT_FALSE(fixture.server->takes_earlier_commands());
+  EXPECT_FALSE(fixture.server->takes_earlier_command(R"({"command":"slow","vehicle":"*"})"));
   fixture.run_for(6s);
-  EXPECT_TRUE(fixture.server->takes_earlier_commands());
+  EXPECT_TRUE(fixture.server->takes_earlier_command(R"({"command":"slow","vehicle":"*"})"));
 }
 
 }  // namespace

@@ -166,7 +166,10 @@ void ServerCore::handle(const wire::Input& input, wire::Effects& effects) {
 
 std::vector<std::string> ServerCore::subscriptions() const { return impl_->broker.subscriptions(); }
 std::optional<wire::Will> ServerCore::will() const { return impl_->broker.will(); }
-bool ServerCore::takes_earlier_commands() const { return impl_->beginning.takes_earlier_commands; }
+bool ServerCore::takes_earlier_command(std::string_view json) const {
+  if (!impl_->beginning.takes_earlier_commands) return false;
+  return impl_->parts.context.simulator.zone() != nullptr || !needs_zone(DecodedCommand{json});
+}
 void ServerCore::farewell(SimTime now, wire::Effects& effects) { impl_->broker.farewell(now, effects); }
 
 void ServerCore::fold(Digest& digest) const {

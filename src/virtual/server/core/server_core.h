@@ -55,8 +55,9 @@ class ServerCore final : public wire::Core {
   [[nodiscard]] SimDuration tick_period() const override;
   [[nodiscard]] std::vector<std::string> subscriptions() const override;
   [[nodiscard]] std::optional<wire::Will> will() const override;
-  /// Once the zone and the vehicles are known again, or have not shown for 5 s.
-  [[nodiscard]] bool takes_earlier_commands() const override;
+  /// Once the zone and the vehicles are known again. After 5 s also without them, unless the command needs the zone:
+  /// it was accepted, and must not be refused because the zone is not known yet.
+  [[nodiscard]] bool takes_earlier_command(std::string_view json) const override;
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
   /// Number of the format of snapshot(): increases with every change of what the server's classes store.

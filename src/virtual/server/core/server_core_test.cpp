@@ -444,5 +444,30 @@ TEST_F(Folded, refused_messages_and_traces_show_in_the_digest) {
   expect_different({}, {{"", R"({"command":"close","section":"nowhere"})"}});
 }
 
+TEST(EarlierCommands, wait_for_a_zone_that_they_need_and_the_others_only_for_5_seconds) {
+  const std::string slow = R"({"command":"slow","vehicle":"*"})";
+  const char* add = R"({"command":"add","virtualObject":{"id":"P1","kind":"person","x":0.5,"y":0.2}})";
+  ServerCore server{ServerOptions{}};
+  wire::Effects effects;
+  const auto tick = [&](SimDuration after) {
+    server.handle({virtual_epoch + after, wire::InputKind::tick, "", ""}, effects);
+  };
+  tick(0s);
+  tick(5s);
+  EXPECT_FALSE(server.takes_earlier_command(slow));
+  tick(6s);
+  EXPECT_TRUE(server.takes_earlier_command(slow));
+  EXPECT_TRUE(server.takes_earlier_command(R"({"command":"remove","id":"P1"})"));
+  for (const char* needs : {R"({"command":"move","virtualObject":{"id":"P1","x":0.4,"y":0.6}})",
+                            R"({"command":"close","section":"east"})", R"({"command":"circulate","vehicle":"*"})",
+                            R"({"command":"undo"})", R"({"command":"plant","plant":{"removeObstacle":"box"}})", add})
+    EXPECT_FALSE(server.takes_earlier_command(needs)) << needs;
+  const zone::ZoneConfiguration zone = oval();
+  server.handle({virtual_epoch + 3600s, wire::InputKind::message, std::string(wire::zone_topic_prefix) + zone.format,
+                 zone::to_payload(zone)},
+                effects);
+  EXPECT_TRUE(server.takes_earlier_command(add));
+}
+
 }  // namespace
 }  // namespace cosiva::virtual_side

@@ -14,6 +14,8 @@ namespace {
 /// A base shorter than this is not measured.
 constexpr double short_base_m = 8.0;
 constexpr double base_slack_m = 0.5;
+/// The end of a base that the vehicle has passed is no further ahead of the position that it reports.
+constexpr double passed_base_m = 0.5;
 /// The distance behind a vehicle within which a vehicle that only follows is searched for.
 constexpr double behind_m_max = 8.0;
 constexpr double past_m = 0.25;
@@ -86,7 +88,7 @@ void Traffic::cut_course(VehicleIndex vehicle, std::size_t keep) {
 void Traffic::set_base_passed(VehicleIndex vehicle, bool passed) {
   if (vehicles_[vehicle].base_passed == passed) return;
   vehicles_[vehicle].base_passed = passed;
-  base_left_[vehicle].reset();
+  measure_base(vehicle);
   holds_dirty_ = true;
 }
 
@@ -101,10 +103,10 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
 void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   base_left_[vehicle].reset();
-  self.base_m_max = short_base_m;
-  if (self.base_end == no_waypoint || !self.position) return;
-  const auto left_m = map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(),
-                                      remaining(vehicle), self.base_passed);
+  self.base_m_max = self.base_passed ? passed_base_m : short_base_m;
+  if (self.base_passed || self.base_end == no_waypoint || !self.position) return;
+  const auto left_m =
+      map_->base_left(*self.position, self.base_end, std::numeric_limits<double>::max(), remaining(vehicle), false);
   self.base_m_max = std::max(short_base_m, left_m.value_or(0.0) + base_slack_m);
 }
 

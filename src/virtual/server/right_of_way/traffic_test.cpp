@@ -666,6 +666,17 @@ TEST_F(RoadTraffic, measures_a_base_of_more_than_eight_metres) {
   EXPECT_EQ(traffic.base_left_m(0, {first, 0.5}), std::nullopt);
 }
 
+TEST_F(RoadTraffic, does_not_take_the_end_of_a_base_that_was_passed_for_that_of_another_lap) {
+  roads.put(0, first, 2.0);
+  roads.end_base(0, first, 1.5);
+  EXPECT_GT(traffic.base_left_m(0, {first, 2.0}).value_or(0.0), 8.0) << "nearly a lap before its end";
+  traffic.set_base_passed(0, true);
+  EXPECT_EQ(traffic.base_left_m(0, {first, 2.0}), std::nullopt) << "half a metre beyond its end";
+  EXPECT_EQ(traffic.base_left_m(0, {first, 1.7}), 0.0);
+  traffic.set_base_passed(0, false);
+  EXPECT_GT(traffic.base_left_m(0, {first, 2.0}).value_or(0.0), 8.0);
+}
+
 TEST_F(RoadTraffic, discards_everything_of_a_vehicle_that_was_removed) {
   hold_first(first, 0.5, 1.0);
   refuse_second();

@@ -245,6 +245,14 @@ DecodedCommand::DecodedCommand(std::string_view json, Zone zone) : command_{deco
     to_zone->built = tl::unexpected(std::move(rtm.error()));
 }
 
+bool needs_zone(const DecodedCommand& decoded) {
+  if (!decoded.command()) return false;
+  const OperatorCommand& command = *decoded.command();
+  return std::holds_alternative<MissionCommand>(command) || std::holds_alternative<SectionCommand>(command) ||
+         std::holds_alternative<AddCommand>(command) || std::holds_alternative<MoveCommand>(command) ||
+         std::holds_alternative<EditCommand>(command) || std::holds_alternative<PlantCommand>(command);
+}
+
 bool is_stop(const DecodedCommand& decoded) {
   if (!decoded.command()) return false;
   const auto* command = std::get_if<VehicleCommand>(&*decoded.command());

@@ -57,6 +57,8 @@ class DecodedCommand final : public wire::InProcessMessage {
   tl::expected<OperatorCommand, Fault> command_;
 };
 
+/// Whether this refers to the zone in force, and is refused before one is known.
+[[nodiscard]] bool needs_zone(const DecodedCommand& decoded);
 /// Whether this stops vehicles: a command that waits for nothing.
 [[nodiscard]] bool is_stop(const DecodedCommand& decoded);
 
