@@ -290,6 +290,39 @@ TEST_F(DeafVehicle, that_an_operator_paused_is_not_released_by_the_server) {
   EXPECT_THAT(requested_of(aiv), Not(Contains("stopPause")));
 }
 
+TEST_F(DeafVehicle, that_an_operator_stops_is_not_released_by_a_server_that_restarts_before_the_stop_is_confirmed) {
+  fixture.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  fixture.run_for(2s);
+  aiv.deaf_to = {"startPause", "stopPause"};
+  aiv.paused = false;
+  aiv.state_due = true;
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(20ms);
+  fixture.restart_server(true);
+  const auto restarted = requested_of(aiv).size();
+  fixture.run_for(200ms);
+  remove("P1");
+  fixture.run_for(100ms);
+  const auto requested = requested_of(aiv);
+  EXPECT_THAT(std::vector(requested.begin() + static_cast<std::ptrdiff_t>(restarted), requested.end()),
+              Not(Contains("stopPause")));
+}
+
+TEST_F(DeafVehicle, that_is_released_gets_no_repetition_of_that_after_a_stop) {
+  fixture.run_for(1s);
+  add_person(aiv.pose().x_m + 0.6, 0.0);
+  fixture.run_for(2s);
+  ASSERT_TRUE(aiv.paused);
+  aiv.deaf_to = {"stopPause"};
+  remove("P1");
+  fixture.run_for(20ms);
+  ASSERT_EQ(requested_of(aiv).back(), "stopPause");
+  fixture.command("stop", "CoSiVA/AIV1");
+  fixture.run_for(2s);
+  EXPECT_EQ(requested_of(aiv).back(), "startPause");
+}
+
 TEST_F(DeafVehicle, that_an_operator_pauses_during_a_pause_by_the_server_stays_paused) {
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);

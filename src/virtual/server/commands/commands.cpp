@@ -155,6 +155,7 @@ void Commands::begin(Command command) {
   switch (kind) {
     case OperatorCommandKind::stop:
       proxy.settings.on_stop();
+      action_sender_.drop_stop_pause(command.vehicle);
       actions.push_back(action("startPause"));
       // A restart that is not confirmed yet may arrive after the Stop that was published already, which the vehicle
       // performs once: what follows the restart on this connection is another action then.

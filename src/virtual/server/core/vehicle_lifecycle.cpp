@@ -38,6 +38,7 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
     proxy.settings.on_body_in_path();
     augmented_.virtual_obstacles.wake();
   }
+  apply_stop(proxy);
   context_.publisher.log('i',
                          proxy.name() + ": registered with display number " + std::to_string(proxy.identity.number()));
   return index;
@@ -62,6 +63,7 @@ std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& 
   if (!vehicle) return std::nullopt;
   AivProxy& proxy = context_.registry[*vehicle];
   proxy.membership.on_accepted();
+  apply_stop(proxy);
   // A virtual AIV starts without the mission of the state file even at its first registration, unlike a physical
   // vehicle: recorded runs depend on that.
   if (is_known || proxy.augmented()) renew_mission(*vehicle);
@@ -126,6 +128,10 @@ void VehicleLifecycle::apply_priority(VehicleIndex vehicle) {
   AivProxy& proxy = context_.registry[vehicle];
   proxy.settings.set_priority(context_.simulator.zone()->priority_of(proxy.name()));
   master_.traffic.set_priority(vehicle, proxy.settings.priority());
+}
+
+void VehicleLifecycle::apply_stop(AivProxy& proxy) const {
+  if (master_.intentions.of(proxy.name()).stopped) proxy.settings.on_stop();
 }
 
 void VehicleLifecycle::renew_mission(VehicleIndex vehicle) {

@@ -44,6 +44,8 @@ class VehicleLifecycle {
   /// Removes an entry that is no vehicle (checked).
   void remove(VehicleIndex vehicle);
   void apply_priority(VehicleIndex vehicle);
+  /// An operator may have stopped the vehicle before it was known.
+  void apply_stop(AivProxy& proxy) const;
   /// The entity of a vehicle in the bijection monitor.
   [[nodiscard]] BijectionMonitor::Entity entity_for(const std::string& name);
   void renew_mission(VehicleIndex vehicle);

@@ -128,6 +128,12 @@ void InstantActionSender::forget(VehicleIndex vehicle) {
   std::erase_if(pending_, [vehicle](const PendingAction& pending_action) { return pending_action.vehicle == vehicle; });
 }
 
+void InstantActionSender::drop_stop_pause(VehicleIndex vehicle) {
+  std::erase_if(pending_, [vehicle](const PendingAction& one) {
+    return one.vehicle == vehicle && !one.kept && one.message.actions.front().action_type == "stopPause";
+  });
+}
+
 void InstantActionSender::on_state(VehicleIndex vehicle, const wire::State& state) {
   for (PendingAction& pending_action : pending_) {
     if (pending_action.vehicle != vehicle) continue;

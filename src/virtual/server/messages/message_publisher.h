@@ -110,6 +110,9 @@ class InstantActionSender {
   void on_state(VehicleIndex vehicle, const wire::State& state);
   /// The vehicle has been removed: nothing more is sent to it.
   void forget(VehicleIndex vehicle);
+  /// Before a Stop: a stopPause that no caller follows, and that is not acknowledged, would end it if it was sent
+  /// again.
+  void drop_stop_pause(VehicleIndex vehicle);
   void tick(Registry& registry, bool link_up);
   void archive(Archive& archive);  ///< the state, for a snapshot
 

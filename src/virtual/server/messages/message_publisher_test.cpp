@@ -309,6 +309,18 @@ TEST_F(Published, actions_dropped_are_not_repeated_while_the_others_are) {
   EXPECT_EQ(actions()[2].actions[0].action_type, "stopPause");
 }
 
+TEST_F(Published, stop_pause_that_no_caller_follows_ends_before_a_stop) {
+  const auto other = send(0, {action("startPause")}, 2s);
+  const auto lifts = send(0, {action("stopPause")}, 2s);
+  const auto followed = send(0, {action("stopPause")}, 2s, true);
+  const auto of_another = send(1, {action("stopPause")}, 2s);
+  sender.drop_stop_pause(0);
+  EXPECT_EQ(sender.find(lifts), nullptr);
+  EXPECT_NE(sender.find(other), nullptr);
+  EXPECT_NE(sender.find(followed), nullptr);
+  EXPECT_NE(sender.find(of_another), nullptr);
+}
+
 TEST_F(Published, repetition_of_an_action_has_the_header_of_its_own_time) {
   send(0, {action("startPause")});
   pass(300ms);

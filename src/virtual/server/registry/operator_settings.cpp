@@ -14,7 +14,7 @@ void OperatorSettings::set_priority(std::int32_t priority) {
 }
 
 void OperatorSettings::on_restart() {
-  paused_for_body_ = false;
+  paused_for_body_ = stop_awaited_ = false;
   no_orders_ = false;
   speed_mps_max_.reset();
 }

@@ -17,8 +17,12 @@ class OperatorSettings {
   /// @param priority  from 0 to zone::priority_max (checked)
   void set_priority(std::int32_t priority);
 
-  /// An operator has stopped the vehicle: from now on the operator, and not a virtual body, pauses the vehicle.
-  void on_stop() { paused_for_body_ = false; }
+  /// An operator has stopped the vehicle: from now on the operator, and not a virtual body, pauses the vehicle, which
+  /// must confirm that before it gets orders.
+  void on_stop() {
+    paused_for_body_ = false;
+    stop_awaited_ = true;
+  }
   void on_restart();
   /// An operator has cancelled the order: the vehicle gets no orders until it is restarted or given a mission.
   void on_cancel() { no_orders_ = true; }

@@ -37,6 +37,15 @@ TEST(OperatorSettings, keep_a_vehicle_without_orders_until_it_is_restarted_or_gi
   EXPECT_FALSE(settings.no_orders());
 }
 
+TEST(OperatorSettings, await_that_a_vehicle_confirms_a_stop_from_the_command_on) {
+  OperatorSettings settings;
+  settings.on_stop();
+  EXPECT_TRUE(settings.stop_awaited());
+  EXPECT_TRUE(settings.no_orders());
+  settings.await_stop(false);
+  EXPECT_FALSE(settings.no_orders());
+}
+
 TEST(OperatorSettings, keep_a_limit_until_a_profile_or_a_restart_replaces_it) {
   OperatorSettings settings;
   settings.on_limit(0.2);
