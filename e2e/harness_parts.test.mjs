@@ -6,7 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
 import { CommandStates, differences, differences_or_stopped, missing_commands, settings_after } from './harness/checks.mjs';
-import { blake2b256, crc32c } from './harness/hashes.mjs';
+import { blake2b256, crc32c, xxh3_128 } from './harness/hashes.mjs';
 import { client_of, LossyProxy } from './harness/lossy_proxy.mjs';
 import { make_plan } from './harness/plan.mjs';
 import { commands_of, read_store } from './harness/store_reader.mjs';
@@ -19,6 +19,8 @@ test('hashes are those of the standards', () => {
   assert.equal(blake2b256(Buffer.from('abc')).toString('hex'), 'bddd813c634239723171ef3fee98579b94964e3bb1cb3e427262c8c068d52319');
   // 128 bytes are one block, 129 are two.
   assert.notDeepEqual(blake2b256(Buffer.alloc(128)), blake2b256(Buffer.alloc(129)));
+  assert.equal(xxh3_128(Buffer.alloc(0)).toString('hex'), '99aa06d3014798d86001c324468d497f');
+  assert.equal(xxh3_128(Buffer.from('abc')).toString('hex'), '06b05ab6733a618578af5f94892f3950');
 });
 
 /** A record, a batch and a segment as docs/protocols/store.md describes them. */
@@ -35,9 +37,9 @@ function record(kind, at_ms, source, payload) {
   return Buffer.concat([length, content, crc]);
 }
 
-function segment(first, hash, batches) {
+function segment(first, hash, batches, format = 2) {
   const header = Buffer.alloc(60);
-  header.write('COSIVAS1', 'latin1');
+  header.write(`COSIVAS${format}`, 'latin1');
   header.writeBigUInt64LE(7n, 8);
   header.writeBigUInt64LE(BigInt(first), 16);
   hash.copy(header, 24);
@@ -52,7 +54,7 @@ function segment(first, hash, batches) {
     fields.writeBigUInt64LE(BigInt(first), 16);
     fields.writeUInt32LE(records.length, 24);
     fields.writeUInt32LE(crc32c(fields.subarray(0, 28)), 28);
-    hash = blake2b256(Buffer.concat([hash, fields, bytes]));
+    hash = blake2b256(Buffer.concat([hash, fields, format === 1 ? bytes : xxh3_128(bytes)]));
     parts.push(fields, bytes, hash);
     first += records.length;
   }
@@ -66,10 +68,10 @@ function store_of(t, files) {
   return folder;
 }
 
-test('the store is read over its segments, a torn tail is no damage, and a flipped bit is one', (t) => {
+for (const format of [1, 2]) test(`the store is read over its segments of format ${format} and 2, a torn tail is no damage, and a flipped bit is one`, (t) => {
   const stop = '{"id":"c1","command":"stop","vehicle":"*"}';
   const slow = '{"id":"c2","command":"slow","vehicle":"CoSiVA/AIV1"}';
-  const one = segment(1, Buffer.alloc(32), [[record(1, 1_000, 'server', '{}')], [record(6, 2_000, 'http', stop), record(7, 2_001, '', '')]]);
+  const one = segment(1, Buffer.alloc(32), [[record(1, 1_000, 'server', '{}')], [record(6, 2_000, 'http', stop), record(7, 2_001, '', '')]], format);
   const two = segment(one.next, one.hash, [[record(9, 3_000, 'http', slow)]]);
   const read = read_store(store_of(t, [[1, one.bytes], [4, two.bytes]]));
   assert.deepEqual(read.records.map(({ number, kind }) => [number, kind]), [[1, 'configure'], [2, 'command'], [3, 'tick'], [4, 'proposal']]);

@@ -1,5 +1,14 @@
-// CRC-32C and BLAKE2b-256, written from their definitions (RFC 3720 appendix B, RFC 7693): the harness must not share
-// the platform's libraries.
+// CRC-32C and BLAKE2b-256, written from their definitions (RFC 3720 appendix B, RFC 7693), and XXH3-128 of another library
+// than the platform's: the harness must not share these.
+import { createXXHash128 } from 'hash-wasm';
+
+const xxh3 = await createXXHash128();
+
+/** XXH3-128 without a seed, 16 bytes, big endian. */
+export function xxh3_128(bytes) {
+  return Buffer.from(xxh3.init().update(bytes).digest('binary'));
+}
+
 const crc_table = new Uint32Array(256).map((_, byte) => {
   let value = byte;
   for (let bit = 0; bit < 8; ++bit) value = value & 1 ? (value >>> 1) ^ 0x82f63b78 : value >>> 1;

@@ -2,7 +2,7 @@
 // asked: the harness compares its own reading with it.
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import path from 'node:path';
-import { blake2b256, crc32c } from './hashes.mjs';
+import { blake2b256, crc32c, xxh3_128 } from './hashes.mjs';
 
 const segment_name = /^\d{20}\.segment$/;
 const header_bytes = 60;
@@ -17,11 +17,12 @@ function damage(file, offset, what) {
 
 function read_header(file, bytes) {
   if (bytes.length < header_bytes) return null; // a start that was cut short
-  if (bytes.toString('latin1', 0, 8) !== 'COSIVAS1') throw damage(file, 0, 'not a segment');
+  const format = ['COSIVAS1', 'COSIVAS2'].indexOf(bytes.toString('latin1', 0, 8)) + 1;
+  if (format === 0) throw damage(file, 0, 'not a segment');
   if (crc32c(bytes.subarray(0, 56)) !== bytes.readUInt32LE(56)) throw damage(file, 56, 'CRC of the header');
   const first = bytes.readBigUInt64LE(16);
   if (first !== BigInt(file.slice(0, 20))) throw damage(file, 16, `first record ${first}`);
-  return { store: bytes.readBigUInt64LE(8), first, hash: bytes.subarray(24, 56) };
+  return { format, store: bytes.readBigUInt64LE(8), first, hash: bytes.subarray(24, 56) };
 }
 
 /** The records of one batch: {kind, flag, at_ms, source, payload}. */
@@ -59,7 +60,7 @@ function read_batch(file, bytes, at, header, hash) {
   const end = at + batch_header_bytes + length + hash_bytes;
   if (end > bytes.length) return null;
   const records = bytes.subarray(at + batch_header_bytes, end - hash_bytes);
-  const chained = blake2b256(Buffer.concat([hash, fields, records]));
+  const chained = blake2b256(Buffer.concat([hash, fields, header.format === 1 ? records : xxh3_128(records)]));
   if (!chained.equals(bytes.subarray(end - hash_bytes, end))) throw damage(file, at, 'hash of a batch');
   return { first: fields.readBigUInt64LE(16), end, hash: chained, records: read_records(file, records, at + batch_header_bytes, fields.readUInt32LE(24)) };
 }
