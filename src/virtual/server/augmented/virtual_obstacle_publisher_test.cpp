@@ -291,6 +291,7 @@ TEST_F(DeafVehicle, that_an_operator_paused_is_not_released_by_the_server) {
 }
 
 TEST_F(DeafVehicle, that_an_operator_stops_is_not_released_by_a_server_that_restarts_before_the_stop_is_confirmed) {
+  FixtureVehicle& other = fixture.add("AIV2", {2, 0.5});
   fixture.run_for(1s);
   add_person(aiv.pose().x_m + 0.6, 0.0);
   fixture.run_for(2s);
@@ -299,9 +300,10 @@ TEST_F(DeafVehicle, that_an_operator_stops_is_not_released_by_a_server_that_rest
   aiv.state_due = true;
   fixture.command("stop", "CoSiVA/AIV1");
   fixture.run_for(20ms);
+  other.alive = false;  // the server waits for its report before it enforces intentions
   fixture.restart_server(true);
   const auto restarted = requested_of(aiv).size();
-  fixture.run_for(200ms);
+  fixture.run_for(900ms);
   remove("P1");
   fixture.run_for(100ms);
   const auto requested = requested_of(aiv);

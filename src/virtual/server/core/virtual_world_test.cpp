@@ -170,22 +170,12 @@ TEST_F(Objects, that_wait_to_be_restored_have_their_ids_in_use) {
 }
 
 TEST_F(Objects, that_are_restored_before_any_zone_is_known_are_added_when_one_is) {
-  ServerCore server{ServerOptions{}};
-  wire::Effects effects;
-  server.handle({virtual_epoch, wire::InputKind::restore, "",
-                 R"({"version":1,"virtualObjects":[],"aivs":[{"id":"V1","section":"south","s":0.5}],"paused":[]})"},
-                effects);
-  server.handle({virtual_epoch, wire::InputKind::link, "", "up"}, effects);
-  server.handle({virtual_epoch + 10s, wire::InputKind::tick, "", ""}, effects);
-  const auto augmented = [&server] {
-    return *JsonValue::parse(server.snapshot_json())->find("bijection")->number("augmented");
-  };
+  fixture.forget_zone();
+  restart_with_aivs(R"({"id":"V1","section":"south","s":0.5})");
+  fixture.run_for(10s);
   EXPECT_EQ(augmented(), 0.0);
-  const zone::ZoneConfiguration zone = oval();
-  server.handle({virtual_epoch + 11s, wire::InputKind::message, std::string(wire::zone_topic_prefix) + zone.format,
-                 zone::to_payload(zone)},
-                effects);
-  server.handle({virtual_epoch + 12s, wire::InputKind::tick, "", ""}, effects);
+  fixture.feed(wire::InputKind::message, "cosiva/v1/zone/toml", oval().text);
+  fixture.run_for(1s);
   EXPECT_EQ(augmented(), 1.0);
 }
 
