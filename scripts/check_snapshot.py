@@ -7,6 +7,7 @@ members in the body of that function, or the member is an exception below, with 
 constant  follows from how the object is constructed, and never changes afterwards
 derived   is made again from other members when they are read
 scratch   is set before each use, within the handling of one input
+renewed   begins again when the emulated world starts again: random draws, connections, measurements
 
 References need no exception. --self-test checks the check.
 """
@@ -21,6 +22,10 @@ EXCEPTIONS = {
     "Antenna": {"by_section_": "derived"},
     "AivProxy": {"identity": "derived"},
     "ActionExecutor": {"parts_": "constant"},
+    "BoardLink": {
+        "board_": "constant", "connected_": "renewed", "fresh_": "renewed", "hello_due_": "renewed",
+        "heartbeat_": "renewed", "encoder_": "renewed", "decoder_": "renewed", "received_": "scratch",
+    },
     "BijectionMonitor": {"contract_": "constant"},
     "BoardsLink": {"batch_": "scratch"},
     "ControlAreas": {"own_": "constant"},
@@ -30,6 +35,11 @@ EXCEPTIONS = {
     "DistanceCounter": {"step_m_max_": "constant"},
     "DrivingContext": {"crossings_": "constant"},
     "Estimating": {"registry_": "constant", "model_": "constant"},
+    "LineVehicle": {
+        "train_": "constant", "line_offset_sd_m_": "constant", "line_random_": "renewed", "goes_on_": "scratch",
+        "step_distance_m_": "scratch", "step_acceleration_mps2_": "scratch", "step_manoeuvre_": "scratch",
+        "lag_dt_s_": "derived", "motor_blend_": "derived", "turn_blend_": "derived", "may_end_here_": "derived",
+    },
     "MessagePublisher": {"as_values_": "constant", "effects_": "scratch"},
     "Missions": {"map_": "derived", "router_": "derived"},
     "Neighbours": {
@@ -49,13 +59,27 @@ EXCEPTIONS = {
         "interface_name_": "constant", "vehicles_max_": "constant", "topics_": "derived", "names_": "derived",
         "numbers_": "derived", "vacant_": "derived",
     },
+    "Obstacles": {"shape_": "constant", "world_": "derived", "discs_": "derived"},
+    "Odometer": {
+        "noise_m_per_sqrt_m_": "constant", "slip_per_mps2_": "constant", "random_": "renewed", "scale_": "constant",
+    },
+    "PowerTrain": {"cart_": "constant"},
     "Session": {"id_": "constant", "as_values_": "constant", "topics_": "constant", "intent_topic_": "derived"},
     "StateReporter": {"serial_number_": "constant", "state_period_": "constant", "visualization_period_": "constant"},
     "Supervision": {"timeout_": "constant"},
+    "TagReader": {"map_": "derived", "noise_": "constant", "random_": "renewed", "free_": "derived"},
     "ThirdPartyPause": {"map_": "derived"},
     "Traces": {"capacity_": "constant", "raw_budget_": "constant"},
     "Traffic": {"rules_": "constant", "map_": "derived", "scratch_": "scratch", "between_": "scratch"},
     "V2xParticipant": {"id_": "constant", "name_": "constant", "enabled_": "constant"},
+    "Vehicle": {
+        "number_": "constant", "step_max_": "constant", "drive_energy_j_": "renewed", "drive_time_s_": "renewed",
+        "readings_": "scratch",
+    },
+    "VehicleBoards": {
+        "number_": "constant", "range_sd_m_": "constant", "range_dropout_": "constant", "range_random_": "renewed",
+        "ports_": "constant", "out_": "scratch", "batch_": "renewed",
+    },
     "VehicleState": {"one_way_": "constant"},
     "VirtualBody": {"zone_": "derived", "next_": "derived"},
     "VirtualFleet": {"v2x_": "constant", "effects_": "scratch"},

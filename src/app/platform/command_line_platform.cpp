@@ -188,6 +188,8 @@ void describe_plant(Command command, PlantArguments& plant) {
       .value_name("DIR")
       .required();
   command.add_option("--seed", plant.seed, "fixes every random draw").value_name("S").show_default();
+  command.add_option("--state-file", plant.state_file, "preserves the world over a crash: it begins where it ended")
+      .value_name("FILE");
   command.footer(
       "Example, the worlds of two vehicles for two on-board programs:\n"
       "  cosiva plant --zone lacet4 --vehicles 2 --sockets /tmp/boards");

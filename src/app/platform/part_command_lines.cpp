@@ -40,7 +40,7 @@ Argv PartCommandLines::plant() const {
   Argv line = part("plant");
   append(line, {"--zone", plan_.rtm.configuration().origin, "--vehicles", std::to_string(arguments.aivs)});
   append(line, {"--seed", std::to_string(arguments.seed), "--sockets", run_ / "boards"});
-  append(line, {"--summary", run_ / "plant.json", "--announce"});
+  append(line, {"--state-file", run_ / "plant.state_file", "--summary", run_ / "plant.json", "--announce"});
   return line;
 }
 

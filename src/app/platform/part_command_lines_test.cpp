@@ -56,7 +56,8 @@ class PartCommands : public ::testing::Test {
 TEST_F(PartCommands, start_the_emulated_world_with_zone_vehicles_and_seed) {
   EXPECT_THAT(line(Part::plant),
               ElementsAre("plant", "--broker", "127.0.0.1:1883", "--zone", arguments.zone, "--vehicles", "3", "--seed",
-                          "7", "--sockets", folder + "/boards", "--summary", folder + "/plant.json", "--announce"));
+                          "7", "--sockets", folder + "/boards", "--state-file", folder + "/plant.state_file",
+                          "--summary", folder + "/plant.json", "--announce"));
 }
 
 TEST_F(PartCommands, start_a_vehicle_at_its_position) {

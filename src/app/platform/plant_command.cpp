@@ -28,6 +28,7 @@ int run_plant(const PlantArguments& arguments) {
   options.seed = arguments.seed;
   auto live = live_options(arguments.part, "plant", "plant", physical::to_json(options));
   if (!live) return report_error(live.error());
+  live->state_file = arguments.state_file;
   auto core = physical::PlantCore::make(options);
   if (!core) return report_error(core.error());
 

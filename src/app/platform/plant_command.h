@@ -14,6 +14,7 @@ struct PlantArguments {
   std::uint32_t vehicles{4};
   std::uint64_t seed{1};
   std::string sockets_directory;
+  std::string state_file;
 };
 
 /// `cosiva plant`: the emulated plant alone. Gives the exit status: 0 done, 1 the run's own checks failed, 2 bad usage

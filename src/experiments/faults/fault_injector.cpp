@@ -229,7 +229,6 @@ void FaultInjector::restart_due() {
 
 void FaultInjector::start(Process process) {
   if (is_server(process)) return start_server(process);
-  if (process == plant_process) persons_.on_plant_start();
   world_.faults().start(process);
   if (process == plant_process && planted_ == Planted::lost_boards) world_.faults().set_boards(1, false);
 }

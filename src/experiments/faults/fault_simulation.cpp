@@ -89,9 +89,7 @@ class Simulation {
     observer.on_killed = [this](Process process) {
       if (process == server_process)
         ledger_.on_killed();
-      else if (process == plant_process)
-        twins_->on_plant_killed();
-      else
+      else if (process != plant_process)
         messages_.on_killed(vehicle_id(process));
       injector_->on_killed(process);
     };

@@ -64,14 +64,10 @@ std::string Persons::touching(Point2 person) const {
 }
 
 void Persons::leave(SimTime now) {
+  if (!world_.faults().running(plant_process)) return;
   for (const Person& person : persons_)
     if (person.until <= now) world_.command_plant(R"({"removeObstacle":")" + person.id + "\"}");
   std::erase_if(persons_, [now](const Person& person) { return person.until <= now; });
-}
-
-void Persons::on_plant_start() {
-  persons_.clear();
-  collisions_ = 0;
 }
 
 Finding Persons::check() {

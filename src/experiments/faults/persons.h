@@ -28,10 +28,8 @@ class Persons {
   /// A person steps in front of a vehicle, at a point that follows from `draw`; no person does where one could not be
   /// avoided. The plant is running.
   void step_in(std::uint32_t vehicle, std::uint64_t draw, SimTime until);
-  /// Those whose time is over leave; all of them at `SimTime::max()`.
+  /// Those whose time is over leave, once the plant is running; all of them at `SimTime::max()`.
   void leave(SimTime now);
-  /// The plant has started: there is no person on its floor.
-  void on_plant_start();
   /// Bodies have touched since the last check.
   [[nodiscard]] Finding check();
 
@@ -49,7 +47,7 @@ class Persons {
   World& world_;
   std::vector<Person> persons_;
   std::uint64_t count_{0};
-  std::size_t collisions_{0};  ///< of the present plant
+  std::size_t collisions_{0};  ///< until the last check
 };
 
 }  // namespace cosiva::experiments

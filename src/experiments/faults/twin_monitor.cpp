@@ -87,20 +87,17 @@ Finding TwinMonitor::check() const {
 
 std::set<std::string> TwinMonitor::off_circuit() const {
   const JsonValue json = snapshot();
-  const bool some_lost = moved_ || switched_;
   std::set<std::string> ids;
-  for (Process aiv = 1; moved_ && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   for (const JsonValue& aiv : *json.find("aivs")->array()) {
-    ids.erase(std::string(aiv.text("id").value_or("")));
     const JsonValue* errors = aiv.find("errors");
     if (errors == nullptr || errors->array() == nullptr) continue;
     for (const JsonValue& error : *errors->array())
       if (error.text() != nullptr &&
-          (error.text()->starts_with("offCircuit") || (some_lost && error.text()->starts_with("positionUnknown"))))
+          (error.text()->starts_with("offCircuit") || (switched_ && error.text()->starts_with("positionUnknown"))))
         ids.insert(aiv.text("id").value_or(""));
   }
   // A vehicle that cannot be driven off may block all others.
-  for (Process aiv = 1; some_lost && !ids.empty() && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
+  for (Process aiv = 1; switched_ && !ids.empty() && aiv <= aivs_; ++aiv) ids.insert(vehicle_id(aiv));
   return ids;
 }
 
@@ -136,7 +133,7 @@ std::string TwinMonitor::not_fresh(SimDuration age_max) const {
     else
       why += " " + std::string(aiv.text("id").value_or("")) + " (age " + std::to_string(age_ms) + " ms)";
   }
-  if (fresh == aivs_ || (moved_ && why.empty())) return {};
+  if (fresh == aivs_) return {};
   return std::to_string(fresh) + " of " + std::to_string(aivs_) + " twins are fresh" +
          (why.empty() ? "" : ", not:" + why);
 }

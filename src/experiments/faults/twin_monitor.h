@@ -34,16 +34,13 @@ class TwinMonitor {
   [[nodiscard]] Finding check() const;
   /// What the server counts of each vehicle (ServerCore::summary_json), for MessageLedger.
   [[nodiscard]] JsonValue summary() const;
-  /// A plant that starts again has its vehicles elsewhere: one that does not drive cannot know where it is, and has no
-  /// twin.
-  void on_plant_killed() { moved_ = true; }
   /// The zone is switched: a vehicle whose program dies while it brakes for that, and starts again in the other zone,
   /// cannot know where it came to a stop.
   void on_zone_switched() { switched_ = true; }
   /// Whether all vehicles are shown, with a report not older than `age_max`; otherwise the reason.
   [[nodiscard]] std::string not_fresh(SimDuration age_max) const;
   /// Vehicles ("CoSiVA/AIV1") that only a person can help: those too far from every path, where a zone switch may leave
-  /// them, and those that were dead when they were moved or when the zone was switched, and do not know where they are.
+  /// them, and those that were dead when the zone was switched, and do not know where they are.
   [[nodiscard]] std::set<std::string> off_circuit() const;
   /// What the server shows of each vehicle that does not drive, for the report of a violation.
   [[nodiscard]] std::string situation() const;
@@ -56,7 +53,6 @@ class TwinMonitor {
   const World& world_;
   std::uint32_t aivs_;
   Planted planted_;
-  bool moved_{false};
   bool switched_{false};
   std::map<std::string, SimTime> received_;  ///< the last report of each vehicle, "CoSiVA/AIV1"
 };

@@ -1,5 +1,6 @@
 #include "cosiva/physical/boards/board_link.h"
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/expect.h"
 
@@ -85,5 +86,7 @@ void BoardLink::send(const wire::BoardMessage& message, BoardOutput out) {
 std::uint32_t BoardLink::board_ms(SimTime now) const {
   return static_cast<std::uint32_t>((now - powered_at_) / std::chrono::milliseconds{1});
 }
+
+void BoardLink::archive(Archive& archive) { archive(powered_at_, session_); }
 
 }  // namespace cosiva::physical

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/in_process/board_frames.h"
 #include "cosiva/wire/in_process/frame_batch.h"
@@ -70,6 +71,7 @@ class BoardLink {
   /// Milliseconds since power-up; wraps after 49 days, as on a board.
   [[nodiscard]] std::uint32_t board_ms(SimTime now) const;
   [[nodiscard]] wire::Board board() const { return board_; }
+  void archive(Archive& archive);  ///< session and clock, for a restart of the emulation
 
  private:
   wire::Board board_;

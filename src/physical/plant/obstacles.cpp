@@ -4,6 +4,7 @@
 #include <charconv>
 #include <functional>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
@@ -94,6 +95,11 @@ std::optional<Error> Obstacles::remove(std::string_view id) {
 std::string Obstacles::name_of(CollisionWatch::BodyKey key) const {
   const auto found = std::find_if(all_.begin(), all_.end(), [&](const Obstacle& o) { return o.key == key; });
   return found == all_.end() ? "obstacle" : found->id;
+}
+
+void Obstacles::archive(Archive& archive) {
+  archive(all_, next_key_);
+  if (archive.reads()) record_discs();
 }
 
 void Obstacles::record_discs() {

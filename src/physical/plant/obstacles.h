@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/result.h"
 #include "cosiva/physical/plant/body.h"
@@ -46,6 +47,7 @@ class Obstacles {
   /// The same in the collision monitor's form.
   [[nodiscard]] std::span<const CollisionWatch::Obstacle> discs() const { return discs_; }
   [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
+  void archive(Archive& archive);  ///< all obstacles, for a restart of the emulation
 
  private:
   [[nodiscard]] std::optional<Error> check(const std::string& id, const Disc& disc,

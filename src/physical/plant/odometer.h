@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/random.h"
 
@@ -41,6 +42,7 @@ class Odometer {
 
   [[nodiscard]] double distance_m() const { return count_m_; }
   [[nodiscard]] double scale() const { return scale_; }
+  void archive(Archive& archive);  ///< the counts, for a restart of the emulation
 
  private:
   double noise_m_per_sqrt_m_;

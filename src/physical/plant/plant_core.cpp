@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "cosiva/base/archive.h"
+#include "cosiva/base/digest.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
@@ -17,6 +19,7 @@
 #include "cosiva/wire/in_process/board_frames.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/battery_exchange.h"
+#include "cosiva/wire/runtime/snapshot.h"
 #include "cosiva/zone/rtm/rtm_builder.h"
 
 namespace cosiva::physical {
@@ -34,6 +37,9 @@ constexpr SimDuration blind_max = std::chrono::milliseconds{50};
 constexpr std::size_t command_bytes_max = 32U << 20U;
 constexpr std::size_t message_bytes_max = 64U << 10U;
 
+constexpr SimDuration persist_period = std::chrono::milliseconds{100};
+constexpr std::string_view core_name = "plant";
+
 /// To the micrometre or microradian: more digits would be below the emulation's own accuracy.
 double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
 
@@ -41,6 +47,12 @@ double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
 SimDuration step_max(const PlantOptions& options) {
   constexpr SimDuration usual = std::chrono::milliseconds{10};
   return options.cycle > 2 * usual ? 2 * usual : usual;
+}
+
+std::uint64_t digest_of(const PlantOptions& options) {
+  Digest digest;
+  digest.add(to_json(options));
+  return digest.value();
 }
 
 struct PortAddress {
@@ -68,7 +80,8 @@ struct PlantCore::Impl {
         fan{read.zone().vehicle},
         watch{read.zone().vehicle},
         obstacles{read.zone()},
-        exchange{options.zone, read.shared_zone(), options.publish_zone} {
+        exchange{options.zone, read.shared_zone(), options.publish_zone},
+        persistence{digest_of(options)} {
     vehicles.reserve(positions.size());
     const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < positions.size(); ++i)
@@ -93,6 +106,12 @@ struct PlantCore::Impl {
   SimTime now{};
   bool broker_up{false};
   Every ground_truth{std::chrono::milliseconds{100}};
+  struct Persistence {
+    std::uint64_t options;   ///< digest of those that the plant was made with
+    bool other_zone{false};  ///< the zone in force is not theirs
+    Every timer{persist_period};
+  };
+  Persistence persistence;
 
   void power_up(SimTime at);
   void record_bodies();
@@ -113,6 +132,11 @@ struct PlantCore::Impl {
   [[nodiscard]] std::optional<Error> set_load(const JsonValue& given);
   void take_over(const ZoneExchange::News& news);
   void change_floors();
+  [[nodiscard]] std::string persisted_bytes();
+  [[nodiscard]] Result<void> restore(std::string_view persisted);
+  void archive(Archive& archive);
+  void archive_zone(Archive& archive);
+  void persist(wire::Effects& effects);
 };
 
 PlantCore::PlantCore() = default;
@@ -143,8 +167,12 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
     case wire::InputKind::link: return in.on_link(input);
     case wire::InputKind::message: return in.on_message(input, effects);
     case wire::InputKind::command: return in.on_command(input.payload, command_bytes_max, effects);
-    case wire::InputKind::configure:  // its options came through make()
     case wire::InputKind::restore:
+      if (const auto restored = in.restore(input.payload); !restored)
+        effects.emplace_back(
+            wire::Log{'w', "the vehicles are at their start positions: " + to_string(restored.error())});
+      return;
+    case wire::InputKind::configure:  // its options came through make()
     case wire::InputKind::proposal:
     case wire::InputKind::persisted:
     case wire::InputKind::snapshot: return;
@@ -212,6 +240,16 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
 
 const std::vector<Collision>& PlantCore::collisions() const { return impl_->collisions; }
 
+std::map<std::string, std::string> persisted_layout(PlantCore& plant) {
+  std::string bytes;
+  Archive::Layout layout;
+  Archive archive{bytes, layout};
+  archive(*plant.impl_);
+  return layout;
+}
+
+std::string PlantCore::persisted_bytes() const { return impl_->persisted_bytes(); }
+
 std::string PlantCore::summary_json() const {
   std::uint64_t laps = 0;
   double longest_wait_s = 0.0;
@@ -239,6 +277,7 @@ void PlantCore::Impl::power_up(SimTime at) {
   powered_at = at;
   now = at;
   ground_truth.start(at);
+  persistence.timer.start(at);
   for (Vehicle& vehicle : vehicles) vehicle.power_up(at, options.seed);
 }
 
@@ -267,6 +306,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
   exchange.tick(at, effects);
   if (ground_truth.take(at) && broker_up && options.publish_ground_truth)
     effects.emplace_back(wire::Publish{std::string(wire::ground_truth_topic), ground_truth_json(), 0, false});
+  if (persistence.timer.take(at)) persist(effects);
 }
 
 void PlantCore::Impl::watch_contacts() {
@@ -308,6 +348,7 @@ std::string PlantCore::Impl::ground_truth_json() const {
 
 void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   options.zone = exchange.configuration();
+  persistence.other_zone = true;
   // The vehicles' readers use this very floor; from the next tick on they find the new tags.
   if (news.same_geometry) {
     floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
@@ -326,6 +367,49 @@ void PlantCore::Impl::change_floors() {
     vehicle.await_floor();
     if (vehicle.is_stopped()) vehicle.set_zone(floor);
   }
+}
+
+std::string PlantCore::Impl::persisted_bytes() {
+  std::string content;
+  Archive writer{content};
+  archive(writer);
+  COSIVA_EXPECT(writer.finish());
+  return wire::Snapshot{{std::string(core_name), persisted_format, persistence.options, 0}, std::move(content)}.text();
+}
+
+void PlantCore::Impl::persist(wire::Effects& effects) {
+  if (!options.as_values) effects.emplace_back(wire::Persist{persisted_bytes()});
+}
+
+Result<void> PlantCore::Impl::restore(std::string_view persisted) {
+  const auto snapshot = wire::Snapshot::read(persisted);
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  if (auto fits = snapshot->check(core_name, persisted_format, persistence.options); !fits) return fits;
+  Archive reader{std::string_view{snapshot->content()}};
+  archive(reader);
+  // The bytes are those that a plant of this format wrote, unless two formats have one number.
+  COSIVA_EXPECT(reader.finish());
+  record_bodies();
+  return {};
+}
+
+void PlantCore::Impl::archive(Archive& archive) {
+  archive_zone(archive);
+  for (Vehicle& vehicle : vehicles) archive(vehicle);
+  archive(obstacles, collisions);
+}
+
+void PlantCore::Impl::archive_zone(Archive& archive) {
+  archive(persistence.other_zone);
+  if (!persistence.other_zone) return;
+  archive(options.zone);
+  if (!archive.reads()) return;
+  const auto rtm = zone::Rtm::initialise(options.zone);
+  COSIVA_EXPECT(rtm);  // the plant had this zone
+  exchange = ZoneExchange{options.zone, rtm->shared_zone(), options.publish_zone};
+  floor = std::make_shared<Floor>(rtm->shared_zone(), options.noise.tag_range_m);
+  obstacles.set_zone(rtm->zone());
+  for (Vehicle& vehicle : vehicles) vehicle.set_zone(floor);
 }
 
 void PlantCore::Impl::on_link(const wire::Input& input) {
@@ -364,6 +448,7 @@ void PlantCore::Impl::on_command(std::string_view json, std::size_t bytes_max, w
   const auto command = JsonValue::parse(json, bytes_max);
   const auto error = command ? obey(*command, effects) : std::optional(command.error());
   if (error) effects.emplace_back(wire::Log{'w', "plant command refused: " + to_string(*error)});
+  if (!error) persist(effects);
 }
 
 std::optional<Error> PlantCore::Impl::obey(const JsonValue& command, wire::Effects& effects) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/base/pose.h"
@@ -56,7 +58,14 @@ struct Collision {
 /// obstacle of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar"}}, the physical
 /// side's new zone by hand, which the plant then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}}
 /// (power_train.h), another battery in a vehicle; {"setLoad":{"vehicle":1,"factor":1.02}}, the vehicle's consumption
-/// relative to the others; an invalid command is logged. Ticks once in a cycle; no board sends more often. Ports:
+/// relative to the others; an invalid command is logged.
+///
+/// The world persists ten times a second, and at each of those commands: a plant that starts again begins where it
+/// ended. Bodies, trips, batteries, obstacles, contacts and the zone in force are as they were, and the boards continue
+/// their sessions, so a vehicle's program finds the same odometer; only the random draws begin again. What a plant with
+/// other options has persisted is not restored, and the reason is logged.
+///
+/// Ticks once in a cycle; no board sends more often. Ports:
 /// wire::port_name(number, board) for every vehicle, from the board's side.
 class PlantCore final : public wire::Core {
  public:
@@ -70,6 +79,14 @@ class PlantCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
 
+  /// Which types are persisted, and the types of their members.
+  friend std::map<std::string, std::string> persisted_layout(PlantCore& plant);
+  /// Number of the format of persisted_bytes(): increases with every change of what the plant's classes store.
+  static constexpr std::uint32_t persisted_format = 1;
+  /// Digest of persisted_layout() in this format: a test compares, so that no change of the members is overlooked.
+  static constexpr std::string_view persisted_layout_digest = "d25b4119ddec6d36";
+  /// What is persisted; read from a dead core where frames pass as values, because nothing is persisted there.
+  [[nodiscard]] std::string persisted_bytes() const;
   /// With the present zone: edited, or switched to.
   [[nodiscard]] const PlantOptions& options() const;
   [[nodiscard]] std::vector<std::string> ports() const;

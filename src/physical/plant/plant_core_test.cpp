@@ -288,7 +288,8 @@ TEST(Plant, that_starts_later_has_other_sessions) {
   (*later)->handle({virtual_epoch + 1h, wire::InputKind::tick, "", ""}, effects);
   std::vector<wire::BoardMessage> received;
   for (const auto& effect : effects)
-    wire::module_link::Decoder{}.feed(std::get<wire::SendBytes>(effect).bytes, received);
+    if (const auto* bytes = std::get_if<wire::SendBytes>(&effect))
+      wire::module_link::Decoder{}.feed(bytes->bytes, received);
   ASSERT_FALSE(received.empty());
   EXPECT_NE(std::get<wire::Hello>(received.front()).session, fixture.received<wire::Hello>(1).front().session);
 }

@@ -30,12 +30,19 @@ inline PlantNoise unresponsive() {
 class PlantFixture {
  public:
   explicit PlantFixture(zone::ZoneConfiguration zone, std::uint32_t vehicles = 1, PlantNoise noise = unresponsive(),
-                        std::uint64_t seed = 1) {
-    auto made = PlantCore::make({std::move(zone), vehicles, seed, noise, true, true});
-    EXPECT_TRUE(made) << to_string(made.error());
-    core_ = std::move(*made);
-    runner_.emplace(*core_);
-    for (const auto& port : core_->ports()) feed(wire::InputKind::port, port, "up");
+                        std::uint64_t seed = 1)
+      : options{std::move(zone), vehicles, seed, noise, true, true} {
+    make();
+    plug_in();
+  }
+
+  /// The plant's process dies and starts again after a while, with `options` and what was persisted.
+  void restart(SimDuration outage = 2s) {
+    now_ += outage;
+    make();
+    feed(wire::InputKind::configure, "plant", "");
+    feed(wire::InputKind::restore, "state", persisted);
+    plug_in();
   }
 
   void feed(wire::InputKind kind, std::string source, std::string payload) {
@@ -77,10 +84,24 @@ class PlantFixture {
   [[nodiscard]] SimTime now() const { return now_; }
   [[nodiscard]] std::string digest() const { return runner_->digest().hex(); }
 
+  PlantOptions options;
+  std::string persisted;
   std::vector<wire::Publish> published;
   std::vector<std::string> logged;
 
  private:
+  void make() {
+    auto made = PlantCore::make(options);
+    ASSERT_TRUE(made) << to_string(made.error());
+    runner_.reset();
+    core_ = std::move(*made);
+    runner_.emplace(*core_);
+    encoders_.clear();
+    decoders_.clear();
+  }
+  void plug_in() {
+    for (const auto& port : core_->ports()) feed(wire::InputKind::port, port, "up");
+  }
   void take(const wire::Effects& effects) {
     for (const auto& effect : effects) {
       if (const auto* bytes = std::get_if<wire::SendBytes>(&effect)) {
@@ -90,6 +111,8 @@ class PlantFixture {
         published.push_back(*message);
       } else if (const auto* line = std::get_if<wire::Log>(&effect)) {
         logged.push_back(line->text);
+      } else if (const auto* persist = std::get_if<wire::Persist>(&effect)) {
+        persisted = persist->bytes;
       }
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/battery/type_json.h"
@@ -89,6 +90,7 @@ PowerTrain::PowerTrain(const std::shared_ptr<const battery::CellTable>& table, R
       measured_{monitor_.measure(pack_.voltage_v(), 0.0, pack_.temperature_c())} {}
 
 void PowerTrain::change(const BatteryChange& change) {
+  changed_ = change;
   const auto table = std::make_shared<battery::CellTable>(change.type);
   pack_ = battery::Pack{table, change.design, change.history, change.temperature_c};
   pack_.set_charge(change.charge);
@@ -112,6 +114,20 @@ void PowerTrain::draw(double energy_j, double dt_s) {
 PowerReadings PowerTrain::readings() const {
   const battery::GaugeReading reading = gauge_.reading();
   return {measured_.voltage_v, measured_.current_a, measured_.temperature_c, reading.charge, reading.charge_sd};
+}
+
+void PowerTrain::archive(Archive& archive) {
+  archive(changed_, load_factor_, load_w_, cut_off_);
+  const bool cut_off = cut_off_;
+  if (archive.reads() && changed_) change(BatteryChange{*changed_});
+  cut_off_ = cut_off;
+  std::string pack = pack_.state_json();
+  std::string gauge = gauge_.state_json();
+  archive(pack, gauge);
+  if (!archive.reads() || archive.failed()) return;
+  for (const auto& restored : {pack_.restore(pack), gauge_.restore(gauge)})
+    if (!restored) archive.fail(restored.error().message);
+  measured_ = monitor_.measure(pack_.voltage_v(), pack_.current_a(), pack_.temperature_c());
 }
 
 }  // namespace cosiva::physical

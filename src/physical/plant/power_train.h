@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/result.h"
@@ -70,6 +72,7 @@ class PowerTrain {
   [[nodiscard]] battery::GaugeReading gauge() const { return gauge_.reading(); }
   /// What RALI sends.
   [[nodiscard]] PowerReadings readings() const;
+  void archive(Archive& archive);  ///< battery and gauge, for a restart of the emulation
 
  private:
   CartModel cart_;
@@ -77,6 +80,7 @@ class PowerTrain {
   battery::Monitor monitor_;
   battery::Gauge gauge_;
   battery::Measured measured_;
+  std::optional<BatteryChange> changed_;  ///< the last change; nothing: the usual battery
   double load_factor_{1.0};
   double load_w_{0.0};
   bool cut_off_{false};

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
@@ -111,5 +112,7 @@ void TagReader::enter(SimTime now, zone::TagNumber number, std::vector<Reading>&
   const double latency_s = random_.uniform(to_seconds(noise_.latency_min), to_seconds(noise_.latency_max));
   if (!random_.chance(noise_.miss)) readings.push_back({now + from_seconds(latency_s), number});
 }
+
+void TagReader::archive(Archive& archive) { archive(in_field_); }
 
 }  // namespace cosiva::physical

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/time.h"
@@ -74,6 +75,7 @@ class TagReader {
   void on_tags_changed() { free_ = {}; }
   /// The antenna moved from `from` to `to`, which lies next to `place`. Appends the tags read.
   void move(SimTime now, zone::TrackPosition track_position, Point2 from, Point2 to, std::vector<Reading>& readings);
+  void archive(Archive& archive);  ///< the tags in the field, for a restart of the emulation
 
  private:
   struct InField {

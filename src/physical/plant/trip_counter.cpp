@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
@@ -30,6 +31,10 @@ void TripCounter::on_waiting(SimDuration dt) {
   wait_ += dt;
   longest_wait_ = std::max(longest_wait_, wait_);
   COSIVA_EXPECT(wait_ <= longest_wait_);
+}
+
+void TripCounter::archive(Archive& archive) {
+  archive(loop_length_m_, distance_m_, distance_before_m_, laps_before_, has_moved_, wait_, longest_wait_);
 }
 
 }  // namespace cosiva::physical

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 
 namespace cosiva::physical {
@@ -25,6 +26,7 @@ class TripCounter {
   /// Complete laps, on floors that form one loop.
   [[nodiscard]] std::uint32_t laps() const;
   [[nodiscard]] double longest_wait_s() const { return to_seconds(longest_wait_); }
+  void archive(Archive& archive);  ///< the state, for a restart of the emulation
 
  private:
   double loop_length_m_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/physical/plant/plant_options.h"
@@ -123,6 +124,14 @@ void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
                 {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost(),
                  in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
                 scan, power_.readings(), effects);
+}
+
+void Vehicle::archive(Archive& archive) {
+  bool on_newest_floor = !awaits_floor_;
+  archive(on_newest_floor, motion_, odometer_, tag_reader_, power_, boards_, trip_, in_manoeuvre_);
+  if (!archive.reads() || on_newest_floor) return;
+  motion_.stop();
+  set_zone(floor_);
 }
 
 }  // namespace cosiva::physical

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/physical/plant/floor.h"
 #include "cosiva/physical/plant/odometer.h"
@@ -57,6 +58,9 @@ class Vehicle {
   [[nodiscard]] const std::string& display() const { return boards_.display(); }
   [[nodiscard]] double charge() const { return power_.pack().charge(); }
   [[nodiscard]] const std::string& port(wire::Board board) const { return boards_.port(board); }
+  /// The state, for a restart of the emulation on the newest floor. A vehicle that still moved on the floor before
+  /// stops.
+  void archive(Archive& archive);
 
  private:
   void step(SimTime now, double dt_s);

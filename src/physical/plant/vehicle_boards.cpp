@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
@@ -122,6 +123,11 @@ void VehicleBoards::send(wire::Board board, wire::Effects& effects) {
   if (out_.empty()) return;
   effects.emplace_back(wire::SendBytes{port(board), out_});
   out_.clear();  // keeps its capacity
+}
+
+void VehicleBoards::archive(Archive& archive) {
+  archive(pils_.link(), prav_.link(), dobs_.link(), rali_.link());
+  next_event_ = SimTime::min();
 }
 
 }  // namespace cosiva::physical

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/random.h"
 #include "cosiva/base/time.h"
 #include "cosiva/physical/boards/boards.h"
@@ -44,6 +45,8 @@ class VehicleBoards {
   void speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
              wire::Effects& effects);
 
+  /// The boards' sessions and clocks, for a restart of the emulation: the other side finds the same boards again.
+  void archive(Archive& archive);
   [[nodiscard]] const std::string& display() const { return prav_.display(); }
   [[nodiscard]] const std::string& port(wire::Board board) const { return ports_[static_cast<std::size_t>(board) - 1]; }
 

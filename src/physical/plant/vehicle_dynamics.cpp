@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
@@ -12,6 +13,12 @@ namespace {
 
 /// Moves `value` towards `target` by at most `step`.
 double towards(double value, double target, double step) { return value + std::clamp(target - value, -step, step); }
+
+/// Of the line's heading, as the line sensors detect it.
+double detection_error_rad(double line_offset_sd_m, Random& random) {
+  constexpr double sensors_ahead_m = 0.1;
+  return line_offset_sd_m > 0.0 ? random.gaussian(0.0, line_offset_sd_m / sensors_ahead_m) : 0.0;
+}
 
 }  // namespace
 
@@ -32,7 +39,7 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
   }
   if (command != nullptr) branch_ = command->branch;
   goes_on_ = command != nullptr && command->speed_mps > 0.0;
-  if (off_line_) return step_off_line(command, dt_s);
+  if (off_path_) return step_off_path(command, dt_s);
   change_speed(command, dt_s);
   if (speed_mps_ == 0.0) {
     step_distance_m_ = 0.0;
@@ -50,7 +57,7 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
   if (manoeuvre_) X_MS_ = body_.X_MB;  // the vehicle came to a sharp bend
 }
 
-bool LineVehicle::line_lost() const { return off_line_ ? !lies_on_line_ : std::fabs(lateral_m_) > train_.line_lost_m; }
+bool LineVehicle::line_lost() const { return off_path_ ? !lies_on_line_ : std::fabs(lateral_m_) > train_.line_lost_m; }
 
 void LineVehicle::change_speed(const DriveCommand* command, double dt_s) {
   double target_mps = 0.0;
@@ -178,10 +185,10 @@ void LineVehicle::stop_at_end(double s_m) {
 
 void LineVehicle::begin_turn(const aiv::Onward& onward) {
   turn_rate_radps_ = 0.0;
-  off_line_ = true;
+  off_path_ = true;
   lies_on_line_ = true;
   // The body turns until the sensors detect the line ahead; the detection is as accurate as the line's paint.
-  goal_heading_rad_ = detection_error_rad();
+  goal_heading_rad_ = detection_error_rad(line_offset_sd_m_, line_random_);
   manoeuvre_.emplace(Pose2{0.0, 0.0, wrap_angle(onward.turn_rad - heading_rad_ + goal_heading_rad_)});
   // The joint stays in place under the body: e to the left of the old path, expressed along the new one.
   const auto [sin, cos] = sincos(onward.turn_rad);
@@ -199,19 +206,14 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
   const bool stays = (command.goal ? aiv::to_stay(*command.goal) : lies_on_line_) && lies_over(X_PB);
   if (stays) goal_.s_m = here.s_m;
   goal_lateral_m_ = stays ? X_PB.y_m : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
-  goal_heading_rad_ = detection_error_rad();
+  goal_heading_rad_ = detection_error_rad(line_offset_sd_m_, line_random_);
   const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
   manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);
   X_MS_ = body_.X_MB;
   return true;
 }
 
-double LineVehicle::detection_error_rad() {
-  constexpr double sensors_ahead_m = 0.1;
-  return line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_ / sensors_ahead_m) : 0.0;
-}
-
-void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
+void LineVehicle::step_off_path(const DriveCommand* command, double dt_s) {
   step_distance_m_ = 0.0;
   step_acceleration_mps2_ = 0.0;
   step_manoeuvre_ = {};
@@ -220,7 +222,7 @@ void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
     if (speed_mps > 0.0 && command->seek) {
       if (!begin_seek(*command)) return;
     } else {
-      if (speed_mps != 0.0 && lies_on_line_) off_line_ = false;
+      if (speed_mps != 0.0 && lies_on_line_) off_path_ = false;
       return;
     }
   }
@@ -231,7 +233,7 @@ void LineVehicle::step_off_line(const DriveCommand* command, double dt_s) {
 
 void LineVehicle::end_manoeuvre() {
   manoeuvre_.reset();
-  off_line_ = false;
+  off_path_ = false;
   came_from_ = zone::no_section;
   position_ = goal_;
   lateral_m_ = goal_lateral_m_;
@@ -245,7 +247,7 @@ void LineVehicle::set_zone(const zone::Circuit& circuit) {
   COSIVA_EXPECT(is_stopped());
   circuit_ = &circuit;
   manoeuvre_.reset();
-  off_line_ = true;
+  off_path_ = true;
   came_from_ = zone::no_section;
   turn_rate_radps_ = 0.0;
   step_distance_m_ = 0.0;
@@ -258,6 +260,20 @@ void LineVehicle::set_zone(const zone::Circuit& circuit) {
   heading_rad_ = X_PB.heading_rad;
   lies_on_line_ = entry_point && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
   record_section();
+}
+
+void LineVehicle::stop() {
+  speed_mps_ = 0.0;
+  speed_reference_mps_ = 0.0;
+  turn_rate_radps_ = 0.0;
+  manoeuvre_.reset();
+}
+
+void LineVehicle::archive(Archive& archive) {
+  archive(position_, came_from_, speed_mps_, speed_reference_mps_, lateral_m_, heading_rad_, turn_rate_radps_,
+          line_noise_m_, body_, branch_, off_path_, lies_on_line_, manoeuvre_, X_MS_, goal_, goal_lateral_m_,
+          goal_heading_rad_);
+  if (archive.reads() && position_.section < circuit_->size()) record_section();
 }
 
 bool LineVehicle::lies_over(const Pose2& X_PB) const {

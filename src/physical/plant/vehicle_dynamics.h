@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cosiva/aiv/motion/manoeuvre.h"
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/random.h"
 #include "cosiva/physical/plant/body.h"
@@ -51,6 +52,8 @@ class LineVehicle {
   /// The floor is this one from now on; the body stays in place, wherever the paths are. Only for a stopped body.
   /// @param circuit  must outlive this
   void set_zone(const zone::Circuit& circuit);
+  /// The body stops at once, as when the emulation ends.
+  void stop();
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
 
@@ -58,7 +61,7 @@ class LineVehicle {
   /// On the path; off-path (following() is false), where the body left the path, or any position of a new floor.
   [[nodiscard]] zone::TrackPosition track_position() const { return position_; }
   /// Whether the body follows the path: in no manoeuvre, and not waiting off-path.
-  [[nodiscard]] bool following() const { return !off_line_; }
+  [[nodiscard]] bool following() const { return !off_path_; }
   /// The present manoeuvre, if any.
   [[nodiscard]] const aiv::Manoeuvre* manoeuvre() const { return manoeuvre_ ? &*manoeuvre_ : nullptr; }
   /// Along the path; 0 in a manoeuvre.
@@ -74,15 +77,17 @@ class LineVehicle {
   [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
   /// The wheels' motion in the last step of a manoeuvre; not counted above.
   [[nodiscard]] const aiv::Manoeuvre::Step& step_manoeuvre() const { return step_manoeuvre_; }
+  /// The motion's state, for a restart of the emulation. A state that was archived on another floor is read in order to
+  /// be put on the present one: stop(), then set_zone().
+  void archive(Archive& archive);
 
  private:
-  void step_off_line(const DriveCommand* command, double dt_s);
+  void step_off_path(const DriveCommand* command, double dt_s);
   void begin_turn(const aiv::Onward& onward);
   [[nodiscard]] bool begin_seek(const DriveCommand& command);
   /// Whether the sensors detect the line for a body in this pose, expressed from the nearest position on the path.
   [[nodiscard]] bool lies_over(const Pose2& X_PB) const;
   void end_manoeuvre();
-  [[nodiscard]] double detection_error_rad();
   void record_section();
   void brake_for_end(double dt_s);
   void change_speed(const DriveCommand* command, double dt_s);
@@ -116,8 +121,8 @@ class LineVehicle {
   std::size_t branch_{0};     ///< as last commanded
   bool may_end_here_{false};  ///< the section ends in a fork, a sharp bend, or nowhere
   bool goes_on_{false};       ///< commanded forwards
-  bool off_line_{false};      ///< in a manoeuvre, or put on another floor
-  bool lies_on_line_{true};   ///< the sensors' reading while off_line_
+  bool off_path_{false};      ///< in a manoeuvre, or put on another floor
+  bool lies_on_line_{true};   ///< the sensors' reading while off_path_
   std::optional<aiv::Manoeuvre> manoeuvre_;
   Pose2 X_MS_;  ///< the body's pose when the manoeuvre began
   aiv::Manoeuvre::Step step_manoeuvre_;

@@ -55,8 +55,8 @@ class FaultInjection {
   virtual void publish_from_outside(const wire::Publish& message) = 0;
   /// Publishes a message as if this process had done so, where it is linked.
   virtual void publish_from(Process process, const wire::Publish& message) = 0;
-  /// The process dies, or starts again; a process that has died has no effect. A plant that starts has its vehicles at
-  /// their start positions, as on the live platform; the byte streams of all boards are closed meanwhile.
+  /// The process dies, or starts again; a process that has died has no effect. While the plant does not run, the byte
+  /// streams of all boards are closed.
   virtual void kill(Process process) = 0;
   virtual void start(Process process) = 0;
   /// Closes the byte streams of an AIV's boards, or opens them again, for both ends; a start of either end opens them.

@@ -145,6 +145,16 @@ struct ActorTable {
   }
 };
 
+namespace {
+
+/// Where messages pass as values, the state was not written ten times per second: it is read from the dead core.
+std::string persisted_bytes(const ActorTable& table, ActorTable::ActorId id, const wire::Core& core) {
+  if (id == ActorTable::plant_id) return static_cast<const physical::PlantCore&>(core).persisted_bytes();
+  return table.is_aiv(id) ? static_cast<const aiv::OnboardCore&>(core).persisted_bytes() : std::string{};
+}
+
+}  // namespace
+
 struct World::Impl {
   using ActorId = ActorTable::ActorId;
   static constexpr ActorId plant_id = ActorTable::plant_id;
@@ -348,11 +358,9 @@ struct World::Impl {
   void kill(ActorId id) {
     Actor& actor = actors[id];
     if (!actor.alive) return;
-    if (table.is_aiv(id) && options.as_values) {
-      // The state was not written ten times per second; it is read from the dead core instead.
-      std::string persisted = static_cast<const aiv::OnboardCore&>(*actor.core).persisted_bytes();
-      if (!persisted.empty()) actor.persisted = std::move(persisted);
-    }
+    if (options.as_values)
+      if (std::string bytes = persisted_bytes(table, id, *actor.core); !bytes.empty())
+        actor.persisted = std::move(bytes);
     actor.alive = false;
     actor.effects_to_live.reset();
     finished.add(actor.runner->digest().value());
