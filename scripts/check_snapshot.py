@@ -36,8 +36,8 @@ EXCEPTIONS = {
     "DrivingContext": {"crossings_": "constant"},
     "Estimating": {"registry_": "constant", "model_": "constant"},
     "LineVehicle": {
-        "train_": "constant", "line_offset_sd_m_": "constant", "line_random_": "renewed", "goes_on_": "scratch",
-        "step_distance_m_": "scratch", "step_acceleration_mps2_": "scratch", "step_manoeuvre_": "scratch",
+        "circuit_": "derived", "train_": "constant", "line_offset_sd_m_": "constant", "line_random_": "renewed",
+        "goes_on_": "scratch", "step_distance_m_": "scratch", "step_acceleration_mps2_": "scratch", "step_manoeuvre_": "scratch",
         "lag_dt_s_": "derived", "motor_blend_": "derived", "turn_blend_": "derived", "may_end_here_": "derived",
     },
     "MessagePublisher": {"as_values_": "constant", "effects_": "scratch"},
@@ -73,8 +73,8 @@ EXCEPTIONS = {
     "Traffic": {"rules_": "constant", "map_": "derived", "scratch_": "scratch", "between_": "scratch"},
     "V2xParticipant": {"id_": "constant", "name_": "constant", "enabled_": "constant"},
     "Vehicle": {
-        "number_": "constant", "step_max_": "constant", "drive_energy_j_": "renewed", "drive_time_s_": "renewed",
-        "readings_": "scratch",
+        "number_": "constant", "step_max_": "constant", "floor_": "derived", "drive_energy_j_": "renewed",
+        "drive_time_s_": "renewed", "readings_": "scratch",
     },
     "VehicleBoards": {
         "number_": "constant", "range_sd_m_": "constant", "range_dropout_": "constant", "range_random_": "renewed",

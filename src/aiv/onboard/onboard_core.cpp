@@ -307,7 +307,9 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
 }
 
 void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
-  if (!zones.pending() || !context->vehicle().motion().stopped()) return;
+  // Without odometry the vehicle may still be braking.
+  if (!zones.pending() || !context->vehicle().motion().stopped() || supervision.board_lost(now, wire::Board::PILS))
+    return;
   actions.end_waits(context->vehicle());
   const std::string from = context->zone().name;
   context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());

@@ -102,6 +102,21 @@ TEST(ZoneSwitch, brakes_on_the_old_zone_and_keeps_its_pose_on_the_new_one) {
   EXPECT_THAT(fixture.undecodable, IsEmpty());
 }
 
+// Without odometry the vehicle may still be braking: what it reported last is no standstill.
+TEST(ZoneSwitch, waits_for_odometry_that_shows_that_the_vehicle_has_stopped) {
+  SwitchFixture fixture;
+  fixture.set_off();
+  fixture.announce(track_near_loop());
+  fixture.silence(wire::Board::PILS);
+  fixture.run(2.0);
+  EXPECT_EQ(fixture.state().maps.front().map_id, "lacet4");
+  fixture.plug(wire::Board::PILS);
+  ASSERT_TRUE(fixture.run_until([&] { return fixture.speed_mps == 0.0; }, 3.0));
+  fixture.change_floor(track_near_loop());
+  fixture.run(0.3);
+  EXPECT_EQ(fixture.state().maps.front().map_id, "track");
+}
+
 TEST(ZoneSwitch, is_followed_by_a_drive_to_the_new_path_and_along_it) {
   SwitchFixture fixture;
   fixture.set_off();

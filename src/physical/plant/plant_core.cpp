@@ -76,7 +76,7 @@ std::optional<PortAddress> parse_port(std::string_view name) {
 struct PlantCore::Impl {
   Impl(PlantOptions given, const zone::Rtm& read, const std::vector<zone::TrackPosition>& positions)
       : options{std::move(given)},
-        floor{std::make_shared<Floor>(read.shared_zone(), options.noise.tag_range_m)},
+        floor{std::make_shared<Floor>(options.zone, read.shared_zone(), options.noise.tag_range_m)},
         fan{read.zone().vehicle},
         watch{read.zone().vehicle},
         obstacles{read.zone()},
@@ -136,6 +136,8 @@ struct PlantCore::Impl {
   [[nodiscard]] Result<void> restore(std::string_view persisted);
   void archive(Archive& archive);
   void archive_zone(Archive& archive);
+  void archive_floor(Archive& archive, Vehicle& vehicle);
+  [[nodiscard]] std::shared_ptr<Floor> floor_of(const zone::ZoneConfiguration& configuration) const;
   void persist(wire::Effects& effects);
 };
 
@@ -351,11 +353,12 @@ void PlantCore::Impl::take_over(const ZoneExchange::News& news) {
   persistence.other_zone = true;
   // The vehicles' readers use this very floor; from the next tick on they find the new tags.
   if (news.same_geometry) {
+    floor->configuration = options.zone;
     floor->tags = TagMap{*news.zone, options.noise.tag_range_m};
     for (Vehicle& vehicle : vehicles) vehicle.on_tags_changed();
     return;
   }
-  floor = std::make_shared<Floor>(news.zone, options.noise.tag_range_m);
+  floor = std::make_shared<Floor>(options.zone, news.zone, options.noise.tag_range_m);
   obstacles.set_zone(*news.zone);
   change_floors();
 }
@@ -395,7 +398,10 @@ Result<void> PlantCore::Impl::restore(std::string_view persisted) {
 
 void PlantCore::Impl::archive(Archive& archive) {
   archive_zone(archive);
-  for (Vehicle& vehicle : vehicles) archive(vehicle);
+  for (Vehicle& vehicle : vehicles) {
+    archive_floor(archive, vehicle);
+    archive(vehicle);
+  }
   archive(obstacles, collisions);
 }
 
@@ -404,12 +410,25 @@ void PlantCore::Impl::archive_zone(Archive& archive) {
   if (!persistence.other_zone) return;
   archive(options.zone);
   if (!archive.reads()) return;
-  const auto rtm = zone::Rtm::initialise(options.zone);
+  floor = floor_of(options.zone);
+  exchange = ZoneExchange{options.zone, floor->zone, options.publish_zone};
+  obstacles.set_zone(*floor->zone);
+}
+
+/// A vehicle that still moves when the zone is switched is on the floor before.
+void PlantCore::Impl::archive_floor(Archive& archive, Vehicle& vehicle) {
+  bool on_newest = vehicle.floor() == floor;
+  archive(on_newest);
+  zone::ZoneConfiguration before = vehicle.floor()->configuration;
+  if (!on_newest) archive(before);
+  if (archive.reads() && !(on_newest && vehicle.floor() == floor))
+    vehicle.set_zone(on_newest ? floor : floor_of(before));
+}
+
+std::shared_ptr<Floor> PlantCore::Impl::floor_of(const zone::ZoneConfiguration& configuration) const {
+  const auto rtm = zone::Rtm::initialise(configuration);
   COSIVA_EXPECT(rtm);  // the plant had this zone
-  exchange = ZoneExchange{options.zone, rtm->shared_zone(), options.publish_zone};
-  floor = std::make_shared<Floor>(rtm->shared_zone(), options.noise.tag_range_m);
-  obstacles.set_zone(rtm->zone());
-  for (Vehicle& vehicle : vehicles) vehicle.set_zone(floor);
+  return std::make_shared<Floor>(configuration, rtm->shared_zone(), options.noise.tag_range_m);
 }
 
 void PlantCore::Impl::on_link(const wire::Input& input) {

@@ -127,11 +127,7 @@ void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
 }
 
 void Vehicle::archive(Archive& archive) {
-  bool on_newest_floor = !awaits_floor_;
-  archive(on_newest_floor, motion_, odometer_, tag_reader_, power_, boards_, trip_, in_manoeuvre_);
-  if (!archive.reads() || on_newest_floor) return;
-  motion_.stop();
-  set_zone(floor_);
+  archive(motion_, odometer_, tag_reader_, power_, boards_, trip_, in_manoeuvre_, awaits_floor_);
 }
 
 }  // namespace cosiva::physical

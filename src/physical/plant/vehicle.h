@@ -58,8 +58,7 @@ class Vehicle {
   [[nodiscard]] const std::string& display() const { return boards_.display(); }
   [[nodiscard]] double charge() const { return power_.pack().charge(); }
   [[nodiscard]] const std::string& port(wire::Board board) const { return boards_.port(board); }
-  /// The state, for a restart of the emulation on the newest floor. A vehicle that still moved on the floor before
-  /// stops.
+  /// The state, for a restart of the emulation: to be read on the floor that it was written on.
   void archive(Archive& archive);
 
  private:

@@ -262,18 +262,11 @@ void LineVehicle::set_zone(const zone::Circuit& circuit) {
   record_section();
 }
 
-void LineVehicle::stop() {
-  speed_mps_ = 0.0;
-  speed_reference_mps_ = 0.0;
-  turn_rate_radps_ = 0.0;
-  manoeuvre_.reset();
-}
-
 void LineVehicle::archive(Archive& archive) {
   archive(position_, came_from_, speed_mps_, speed_reference_mps_, lateral_m_, heading_rad_, turn_rate_radps_,
           line_noise_m_, body_, branch_, off_path_, lies_on_line_, manoeuvre_, X_MS_, goal_, goal_lateral_m_,
           goal_heading_rad_);
-  if (archive.reads() && position_.section < circuit_->size()) record_section();
+  if (archive.reads()) record_section();
 }
 
 bool LineVehicle::lies_over(const Pose2& X_PB) const {

@@ -52,8 +52,6 @@ class LineVehicle {
   /// The floor is this one from now on; the body stays in place, wherever the paths are. Only for a stopped body.
   /// @param circuit  must outlive this
   void set_zone(const zone::Circuit& circuit);
-  /// The body stops at once, as when the emulation ends.
-  void stop();
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
 
@@ -77,8 +75,7 @@ class LineVehicle {
   [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
   /// The wheels' motion in the last step of a manoeuvre; not counted above.
   [[nodiscard]] const aiv::Manoeuvre::Step& step_manoeuvre() const { return step_manoeuvre_; }
-  /// The motion's state, for a restart of the emulation. A state that was archived on another floor is read in order to
-  /// be put on the present one: stop(), then set_zone().
+  /// The motion's state, for a restart of the emulation: to be read on the circuit that it was written on.
   void archive(Archive& archive);
 
  private:
