@@ -73,7 +73,7 @@ test('the virtual and the physical world perceive each other', { timeout: 240_00
     const there = await snapshot_of(virtual);
     assert.equal(there.augmented, true);
     assert.ok(gap(aiv.number, there) - front_m > 0.02, `its front is ${gap(aiv.number, there) - front_m} m behind the virtual one`);
-    assert.equal(await row(page, virtual).getByText('virtual', { exact: true }).count(), 1);
+    await row(page, virtual).getByText('virtual', { exact: true }).waitFor({ timeout: 3_000 });
     assert.ok(!ground_truth.latest.vehicles.some((vehicle) => vehicle.number === there.number), 'the plant does not contain it');
     await page.getByRole('button', { name: `Remove ${id}`, exact: true }).click();
     await ground_truth.moves(aiv.number, 6_000);

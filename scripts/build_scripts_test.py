@@ -133,13 +133,17 @@ class SlowestUnits(unittest.TestCase):
 
     def test_a_unit_with_a_large_share_of_the_time_is_reported_whatever_the_machine(self):
         even = [(2.0, f"u{i}") for i in range(50)]
-        self.assertEqual(slowest_units.over(even, 0.03), [])
+        self.assertEqual(slowest_units.over(even, len(even), 0.03), [])
         for slowness in (1.0, 40.0):
             units = [(seconds * slowness, name) for seconds, name in [(6.0, "heavy"), (2.5, "fair"), *even]]
-            self.assertEqual(slowest_units.over(units, 0.03), ["heavy"])
+            self.assertEqual(slowest_units.over(units, len(units), 0.03), ["heavy"])
 
     def test_the_share_is_not_judged_where_ccache_had_most_units(self):
-        self.assertEqual(slowest_units.over([(60.0, "heavy"), *[(0.02, f"u{i}") for i in range(50)]], 0.03), [])
+        units = [(60.0, "heavy"), *[(0.02, f"u{i}") for i in range(50)]]
+        self.assertEqual(slowest_units.over(units, len(units), 0.03), [])
+
+    def test_the_share_is_not_judged_where_few_units_of_the_builds_were_compiled_again(self):
+        self.assertEqual(slowest_units.over([(60.0, "heavy"), (2.0, "light")], 400, 0.03), [])
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@
 cmake/compile writes the processor seconds of every object to a file next to it (almost none if ccache had the result). A
 unit with a large share keeps one core busy while the others are idle, and delays every edit: split the unit, or concentrate
 the expensive templates in one source. A share does not depend on the machine, as seconds would. It is judged where most of
-the units were compiled. --since: only units compiled after that file was written."""
+the the builds' units were compiled. --since: only units compiled after that file was written."""
 
 import argparse
 import pathlib
@@ -33,11 +33,11 @@ def slowest(builds, since):
     return sorted(taken, reverse=True)
 
 
-def over(units, share):
-    """The names of the units with a larger share of the time, if most of the units were compiled; else none."""
+def over(units, count, share):
+    """The names of the units with a larger share of the time, if most of the builds' `count` units were compiled; else none."""
     compiled = sum(seconds >= COMPILED_S for seconds, _ in units)
     total = sum(seconds for seconds, _ in units)
-    return [name for seconds, name in units if seconds > share * total] if 2 * compiled > len(units) else []
+    return [name for seconds, name in units if seconds > share * total] if 2 * compiled > count else []
 
 
 def main():
@@ -51,7 +51,7 @@ def main():
     for seconds, name in units[:SHOWN]:
         print(f"{seconds:6.1f} CPU-s  {seconds / max(total, seconds, 1e-9):5.1%}  {name}")
     print(f"{len(units)} units compiled, {total:.0f} CPU-s in all")
-    slow = over(units, arguments.share)
+    slow = over(units, len(slowest(arguments.builds, 0.0)), arguments.share)
     if slow:
         print(f"over {arguments.share:.1%} of the time: {', '.join(slow)}")
     return 1 if slow else 0

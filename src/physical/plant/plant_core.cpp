@@ -49,7 +49,14 @@ SimDuration step_max(const PlantOptions& options) {
   return options.cycle > 2 * usual ? 2 * usual : usual;
 }
 
-std::uint64_t digest_of(const PlantOptions& options) {
+/// A zone is the same wherever its file was.
+zone::ZoneConfiguration without_origin(zone::ZoneConfiguration configuration) {
+  configuration.origin = "the plant's state";
+  return configuration;
+}
+
+std::uint64_t digest_of(PlantOptions options) {
+  options.zone = without_origin(std::move(options.zone));
   Digest digest;
   digest.add(to_json(options));
   return digest.value();
@@ -408,8 +415,10 @@ void PlantCore::Impl::archive(Archive& archive) {
 void PlantCore::Impl::archive_zone(Archive& archive) {
   archive(persistence.other_zone);
   if (!persistence.other_zone) return;
-  archive(options.zone);
+  zone::ZoneConfiguration in_force = without_origin(options.zone);
+  archive(in_force);
   if (!archive.reads()) return;
+  options.zone = std::move(in_force);
   floor = floor_of(options.zone);
   exchange = ZoneExchange{options.zone, floor->zone, options.publish_zone};
   obstacles.set_zone(*floor->zone);
@@ -419,7 +428,7 @@ void PlantCore::Impl::archive_zone(Archive& archive) {
 void PlantCore::Impl::archive_floor(Archive& archive, Vehicle& vehicle) {
   bool on_newest = vehicle.floor() == floor;
   archive(on_newest);
-  zone::ZoneConfiguration before = vehicle.floor()->configuration;
+  zone::ZoneConfiguration before = without_origin(vehicle.floor()->configuration);
   if (!on_newest) archive(before);
   if (archive.reads() && !(on_newest && vehicle.floor() == floor))
     vehicle.set_zone(on_newest ? floor : floor_of(before));

@@ -189,6 +189,16 @@ TEST_F(RestartedPlant, does_not_restore_what_a_plant_with_other_options_has_pers
   EXPECT_THAT(fixture.logged, ElementsAre(HasSubstr("the vehicles are at their start positions: ")));
 }
 
+TEST_F(RestartedPlant, whose_zone_file_was_moved_persists_the_same_bytes) {
+  PlantFixture fixture{lacet4()};
+  zone::ZoneConfiguration moved = lacet4();
+  moved.origin = "elsewhere/" + moved.origin;
+  PlantFixture other{moved};
+  for (PlantFixture* each : {&fixture, &other}) each->run_for(1s);
+  EXPECT_NE(fixture.persisted, "");
+  EXPECT_EQ(fixture.persisted, other.persisted);
+}
+
 TEST_F(RestartedPlant, begins_at_the_start_positions_where_the_state_is_damaged) {
   PlantFixture fixture{straight(20.0)};
   fixture.drive(1, fast);
