@@ -41,8 +41,9 @@ test('kill -9', { timeout: 300_000 }, async (t) => {
     await ground_truth.stands(2, 2_000);
     const driven = await ground_truth.driven(1_500);
     assert.ok([1, 3, 4].some((number) => driven.get(number) > 0.1), 'the others go on');
-    const matched = (await platform.get('bijection')).matched;
-    assert.equal(matched, 4, 'a twin is never lost');
+    const bijection = await platform.get('bijection');
+    assert.equal(bijection.virtual, 4, 'a twin is never lost');
+    assert.deepEqual(bijection.orphans.map(({ side, id }) => ({ side, id })), [{ side: 'virtual', id: 'CoSiVA/AIV2' }]);
 
     await eventually('it is online again', async () => (await platform.aiv(2)).connection === 'ONLINE', { within_ms: 20_000 });
     await all_go_on(platform, ground_truth, 'the AIV came back');

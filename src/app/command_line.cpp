@@ -14,6 +14,7 @@
 #include "cosiva/app/simulate/command_line_simulate.h"
 #include "cosiva/app/traffic/command_line_traffic.h"
 #include "cosiva/app/traffic/traffic_command.h"
+#include "cosiva/app/vehicle/command_line_vehicle.h"
 #include "cosiva/app/zone/command_line_zone.h"
 
 namespace cosiva::app {
@@ -50,6 +51,8 @@ int run_command_line(int argc, const char* const* argv) {
   const Command traffic_command = describe_traffic(root, traffic);
   const Command capacity_command = describe_capacity(root, capacity);
   const ZoneCommands zone_commands = describe_zone(root, zone, generate);
+  VehicleArguments vehicle;
+  const VehicleCommands vehicle_commands = describe_vehicle(root, vehicle);
   const ScenarioCommands scenario_commands = describe_scenario(root, scenario);
   const AgentCommands agent_commands = describe_agent(root, agent);
   BatteryArguments battery;
@@ -71,6 +74,7 @@ int run_command_line(int argc, const char* const* argv) {
   if (capacity_command.chosen()) return run_capacity(capacity);
   if (campaign_command.chosen()) return run_campaign(campaign);
   if (const auto status = run_zone_command(zone_commands, zone, generate)) return *status;
+  if (const auto status = run_vehicle_command(vehicle_commands, vehicle)) return *status;
   if (const auto status = run_agent_command(agent_commands, agent)) return *status;
   if (const auto status = run_battery_command(battery_commands, battery)) return *status;
   if (battery_commands.battery.chosen())
@@ -90,6 +94,8 @@ int run_command_line(int argc, const char* const* argv) {
     return scenario_commands.scenario.refuse("a subcommand is missing: check or list");
   if (zone_commands.zone.chosen())
     return zone_commands.zone.refuse("a subcommand is missing: check, show, convert, generate or switch");
+  if (vehicle_commands.vehicle.chosen())
+    return vehicle_commands.vehicle.refuse("a subcommand is missing: list, exclude, include or retire");
   print(root.help());
   return exit_done;
 }

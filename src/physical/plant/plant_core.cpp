@@ -13,6 +13,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/physical/plant/collisions.h"
 #include "cosiva/physical/plant/floor.h"
+#include "cosiva/physical/plant/ground_truth_publisher.h"
 #include "cosiva/physical/plant/obstacles.h"
 #include "cosiva/physical/plant/vehicle.h"
 #include "cosiva/physical/plant/zone_exchange.h"
@@ -39,9 +40,6 @@ constexpr std::size_t message_bytes_max = 64U << 10U;
 
 constexpr SimDuration persist_period = std::chrono::milliseconds{100};
 constexpr std::string_view core_name = "plant";
-
-/// To the micrometre or microradian: more digits would be below the emulation's own accuracy.
-double rounded(double value) { return std::nearbyint(value * 1e6) * 1e-6; }
 
 /// How long a body may move straight on: the usual cycle; in a slower cycle twice that, for half the work.
 SimDuration step_max(const PlantOptions& options) {
@@ -112,7 +110,7 @@ struct PlantCore::Impl {
   std::optional<SimTime> powered_at;
   SimTime now{};
   bool broker_up{false};
-  Every ground_truth{std::chrono::milliseconds{100}};
+  GroundTruthPublisher ground_truth;
   struct Persistence {
     std::uint64_t options;   ///< digest of those that the plant was made with
     bool other_zone{false};  ///< the zone in force is not theirs
@@ -126,7 +124,6 @@ struct PlantCore::Impl {
   void watch_contacts();
   void scan(std::size_t index);
   [[nodiscard]] std::string name_of(CollisionWatch::BodyKey key) const;
-  [[nodiscard]] std::string ground_truth_json() const;
 
   void on_link(const wire::Input& input);
   void on_message(const wire::Input& input, wire::Effects& effects);
@@ -313,8 +310,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
     vehicles[i].speak(at, fan.ranges(), effects);
   }
   exchange.tick(at, effects);
-  if (ground_truth.take(at) && broker_up && options.publish_ground_truth)
-    effects.emplace_back(wire::Publish{std::string(wire::ground_truth_topic), ground_truth_json(), 0, false});
+  ground_truth.tick(at, broker_up && options.publish_ground_truth, vehicles, obstacles, collisions.size(), effects);
   if (persistence.timer.take(at)) persist(effects);
 }
 
@@ -335,24 +331,6 @@ void PlantCore::Impl::scan(std::size_t index) {
 std::string PlantCore::Impl::name_of(CollisionWatch::BodyKey key) const {
   if ((key & CollisionWatch::obstacle_bit) == 0) return "AIV" + std::to_string(key + 1);
   return obstacles.name_of(key);
-}
-
-std::string PlantCore::Impl::ground_truth_json() const {
-  JsonWriter json;
-  json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
-  for (const Vehicle& vehicle : vehicles) {
-    const Pose2& pose = vehicle.motion().body().X_MB;
-    json.begin_object().field("number", vehicle.number()).field("x", rounded(pose.x_m)).field("y", rounded(pose.y_m));
-    json.field("heading", rounded(pose.heading_rad)).field("speed", rounded(vehicle.motion().speed_mps()));
-    json.field("charge", rounded(vehicle.charge())).end_object();
-  }
-  json.end_array().key("obstacles").begin_array();
-  for (const auto& obstacle : obstacles.all()) {
-    json.begin_object().field("id", obstacle.id).field("x", obstacle.disc.centre.x_m);
-    json.field("y", obstacle.disc.centre.y_m).field("radius", obstacle.disc.radius_m).end_object();
-  }
-  json.end_array().field("collisions", collisions.size()).end_object();
-  return json.take();
 }
 
 void PlantCore::Impl::take_over(const ZoneExchange::News& news) {

@@ -53,6 +53,9 @@ std::string_view to_string(Finding::Kind kind) {
     case Finding::Kind::no_twin: return "no twin";
     case Finding::Kind::not_detected: return "not detected";
     case Finding::Kind::no_detection: return "no detection";
+    case Finding::Kind::displaced: return "displaced";
+    case Finding::Kind::two_programs: return "two programs";
+    case Finding::Kind::displaced_tag: return "displaced tag";
   }
   return "?";
 }
@@ -79,6 +82,8 @@ BijectionMonitor::Pair BijectionMonitor::Pair::of(std::string_view id, const Bij
   return {std::string(id),
           false,
           false,
+          {},
+          {},
           RecentP99{contract.divergence_p99_m, divergence_window},
           RecentP99{contract.age_p99_ms, age_window},
           RecentP99{contract.actual_p99_m, actual_window},
@@ -87,7 +92,13 @@ BijectionMonitor::Pair BijectionMonitor::Pair::of(std::string_view id, const Bij
           0};
 }
 
-void BijectionMonitor::set_physical(Entity entity, bool present) { pairs_[entity].physical = present; }
+void BijectionMonitor::set_physical(Entity entity, bool present, std::string_view reason, SimTime since) {
+  Pair& pair = pairs_[entity];
+  pair.physical = present;
+  pair.reason = reason;
+  pair.absent_since = since;
+}
+
 void BijectionMonitor::set_virtual(Entity entity, bool present) { pairs_[entity].image = present; }
 
 void BijectionMonitor::divergence(Entity entity, double m, double rad) {
@@ -101,9 +112,10 @@ void BijectionMonitor::divergence(Entity entity, double m, double rad) {
   }
 }
 
-void BijectionMonitor::actual(Entity entity, double m, double rad) {
-  actual_m_.add(m);
-  actual_rad_.add(rad);
+void BijectionMonitor::actual(Entity entity, double m, double rad, std::string_view reference) {
+  if (actual_.reference != reference) actual_ = {std::string(reference), {}, {}};
+  actual_.m.add(m);
+  actual_.rad.add(rad);
   Pair& pair = pairs_[entity];
   if (pair.actuals_measured < settling_actuals) {
     ++pair.actuals_measured;
@@ -159,13 +171,23 @@ void BijectionMonitor::effect(WorldEffect kind, double latency_ms) {
   effect_recent_.add(latency_ms);
 }
 
+void BijectionMonitor::set_findings(Observer observer, std::vector<Finding> findings) {
+  std::erase_if(findings_, [observer](const Finding& finding) { return finding.observer() == observer; });
+  for (Finding& finding : findings) {
+    COSIVA_EXPECT(finding.observer() == observer);
+    findings_.push_back(std::move(finding));
+  }
+}
+
 BijectionMonitor::Held BijectionMonitor::held(Entity entity) const {
   const Pair& pair = pairs_[entity];
-  return {!pair.orphan(), pair.divergence.held(), pair.age.held(), pair.actual.held()};
+  return {!pair.orphan(), pair.divergence.held(), pair.age.held(), pair.actual.held(),
+          pair.physical ? std::string_view{} : pair.reason};
 }
 
 std::size_t BijectionMonitor::physical_count() const {
-  return static_cast<std::size_t>(std::ranges::count_if(pairs_, &Pair::physical));
+  return static_cast<std::size_t>(std::ranges::count_if(pairs_, &Pair::physical) +
+                                  std::ranges::count_if(findings_, &Finding::unreported));
 }
 std::size_t BijectionMonitor::virtual_count() const {
   return static_cast<std::size_t>(std::ranges::count_if(pairs_, &Pair::image));
@@ -185,7 +207,15 @@ void BijectionMonitor::write(JsonWriter& json) const {
   json.key("orphans").begin_array();
   for (const Pair& pair : pairs_) {
     if (!pair.orphan()) continue;
-    json.begin_object().field("side", pair.physical ? "physical" : "virtual").field("id", pair.id).end_object();
+    json.begin_object().field("side", pair.physical ? "physical" : "virtual").field("id", pair.id);
+    json.field("reason", pair.physical && pair.reason.empty() ? "its twin has disappeared" : pair.reason);
+    if (!pair.physical) json.field("since_ms", to_milliseconds_scaled(pair.absent_since));
+    json.end_object();
+  }
+  for (const Finding& finding : findings_) {
+    if (!finding.unreported) continue;
+    json.begin_object().field("side", "physical").field("id", finding.id).field("reason", finding.text);
+    json.field("since_ms", to_milliseconds_scaled(finding.since)).end_object();
   }
   json.end_array().key("findings").begin_array();
   for (const Finding& finding : findings_) {
@@ -197,10 +227,16 @@ void BijectionMonitor::write(JsonWriter& json) const {
         .end_object();
   }
   json.end_array().field("augmented", static_cast<std::uint64_t>(augmented_));
+  json.key("references").begin_object().field("divergence", "the vehicle's own estimate").key("actual");
+  if (actual_.reference.empty())
+    json.null();
+  else
+    json.value(actual_.reference);
+  json.end_object();
   write_json(json.key("divergence_m"), divergence_m_);
   write_json(json.key("divergence_rad"), divergence_rad_);
-  write_json(json.key("actual_m"), actual_m_);
-  write_json(json.key("actual_rad"), actual_rad_);
+  write_json(json.key("actual_m"), actual_.m);
+  write_json(json.key("actual_rad"), actual_.rad);
   write_json(json.key("age_ms"), age_ms_);
   write_json(json.key("late_ms"), late_ms_);
   json.key("commands")
@@ -250,9 +286,9 @@ void BijectionMonitor::fold(Digest& digest) const {
   digest.add(std::int64_t{matched_.count()});
   digest.add(std::int64_t{held_.count()});
   // The digest of a run without a camera contains nothing of the camera's findings.
-  if (actual_m_.count() == 0 && findings_.empty()) return;
-  actual_m_.fold(digest);
-  actual_rad_.fold(digest);
+  if (actual_.m.count() == 0 && findings_.empty()) return;
+  actual_.m.fold(digest);
+  actual_.rad.fold(digest);
   for (const Finding& finding : findings_) {
     digest.add(std::string_view{finding.id});
     digest.add(static_cast<std::uint64_t>(finding.kind));
@@ -266,7 +302,7 @@ void BijectionMonitor::archive(Archive& archive) {
     if (archive.reads()) pairs_.push_back(Pair::of({}, contract_));
     archive(pairs_[i]);
   }
-  archive(divergence_m_, divergence_rad_, actual_m_, actual_rad_, age_ms_, late_ms_, findings_);
+  archive(divergence_m_, divergence_rad_, actual_, age_ms_, late_ms_, findings_);
   archive(commands_issued_, commands_accepted_, commands_materialised_, commands_failed_);
   archive(command_latency_ms_, command_recent_, events_, event_latency_ms_, event_recent_, effects_ms_, effect_recent_);
   archive(augmented_, elapsed_until_, watched_, matched_, held_);

@@ -26,18 +26,27 @@ struct BijectionContract {
   double actual_p99_m{0.05};  ///< of a twin from the camera's detection of its vehicle, if there is a camera
 };
 
-/// A discrepancy between the two sides, by name, found by an observer of both. The camera over the zone
-/// (GVS) is the only such observer so far.
+/// Who compares the two sides: the camera over the zone (GVS), or the server the reports of vehicles.
+enum class Observer : std::uint8_t { camera, reports };
+
+/// A discrepancy between the two sides, by name, found by an observer of both.
 struct Finding {
   enum class Kind : std::uint8_t {
-    no_twin,       ///< the camera detects an AIV that has no twin
-    not_detected,  ///< the camera detects no AIV at a twin's position
-    no_detection,  ///< the camera delivers no detections: neither of the above is known
+    no_twin,        ///< the camera detects an AIV that has no twin
+    not_detected,   ///< the camera detects no AIV at a twin's position
+    no_detection,   ///< the camera delivers no detections: neither of the above is known
+    displaced,      ///< the camera detects an AIV further from its twin than an AIV is long
+    two_programs,   ///< two programs report under the name of one vehicle
+    displaced_tag,  ///< a vehicle was found elsewhere when it read the tag
   };
   Kind kind{};
   std::string id;  ///< "CoSiVA/AIV1", "GVS"
   std::string text;
   SimTime since{};
+  bool unreported{false};  ///< no vehicle reports to be what is detected: an orphan of the physical side
+  [[nodiscard]] Observer observer() const {
+    return kind == Kind::two_programs || kind == Kind::displaced_tag ? Observer::reports : Observer::camera;
+  }
   friend bool operator==(const Finding&, const Finding&) = default;
 };
 [[nodiscard]] std::string_view to_string(Finding::Kind kind);
@@ -65,12 +74,16 @@ class BijectionMonitor {
   /// @param spare  an entity whose name proved to be of no vehicle, and which gets this name; it is on neither side
   ///               (checked). Nothing: the name's own, or a new one
   Entity entity(std::string_view id, std::optional<Entity> spare = {});
-  void set_physical(Entity entity, bool present);
+  /// @param reason  why it has no counterpart: a vehicle that is not present any more, whose twin is an orphan, or one
+  ///                that is and has no twin
+  /// @param since   since when it is not present
+  void set_physical(Entity entity, bool present, std::string_view reason = {}, SimTime since = {});
   void set_virtual(Entity entity, bool present);
 
   void divergence(Entity entity, double m, double rad);
   /// Distance of the twin from the camera's detection of its vehicle at the same moment.
-  void actual(Entity entity, double m, double rad);
+  /// @param reference  what provides the true pose, "camera" or "instrument"; another one begins the statistics anew
+  void actual(Entity entity, double m, double rad, std::string_view reference);
   void age(Entity entity, double ms);
   /// Delay of the measuring process behind its schedule: on a busy or suspended machine the metrics depend on the
   /// machine, too.
@@ -85,8 +98,9 @@ class BijectionMonitor {
   void event(PhysicalEvent kind, double latency_ms);
   void effect(WorldEffect kind, double latency_ms);
   void set_augmented(std::size_t count) { augmented_ = count; }
-  /// All present findings. While one of them concerns a vehicle or a twin, the two sides do not match.
-  void set_findings(std::vector<Finding> findings) { findings_ = std::move(findings); }
+  /// All present findings of this observer (checked). While one of them concerns a vehicle, a twin or a tag, the two
+  /// sides do not match.
+  void set_findings(Observer observer, std::vector<Finding> findings);
   [[nodiscard]] const std::vector<Finding>& findings() const { return findings_; }
 
   struct Held {
@@ -94,6 +108,7 @@ class BijectionMonitor {
     bool divergence;
     bool age;
     bool actual;
+    std::string_view absence{};  ///< why the vehicle is not on the physical side; empty: it is, or it never was
   };
   /// Evaluated over the last 10 s or so, from 2 s after the arrival on: a badge that never turns green again would
   /// carry no information.
@@ -107,7 +122,7 @@ class BijectionMonitor {
   /// Ratio of that time in which every contract held as well.
   [[nodiscard]] double held_ratio() const;
   [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
-  [[nodiscard]] const Statistics& actual_m() const { return actual_m_; }
+  [[nodiscard]] const Statistics& actual_m() const { return actual_.m; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
 
   /// docs/protocols/hmi-api.md, "Bijection".
@@ -120,6 +135,8 @@ class BijectionMonitor {
     std::string id;
     bool physical{false};
     bool image{false};
+    std::string reason{};  ///< why it has no counterpart; may be empty
+    SimTime absent_since{};
     RecentP99 divergence;
     RecentP99 age;
     RecentP99 actual;
@@ -134,8 +151,12 @@ class BijectionMonitor {
   std::vector<Pair> pairs_;
   Statistics divergence_m_;
   Statistics divergence_rad_;
-  Statistics actual_m_;
-  Statistics actual_rad_;
+  struct Actual {
+    std::string reference{};  ///< empty: nothing has provided a true pose
+    Statistics m;
+    Statistics rad;
+  };
+  Actual actual_;
   Statistics age_ms_;
   Statistics late_ms_;  ///< in no digest: a property of the machine, not of the run
   std::vector<Finding> findings_;

@@ -68,6 +68,7 @@ TEST_F(Bijection, reports_entities_that_are_missing_on_either_side) {
   ASSERT_THAT(orphans, SizeIs(2));
   EXPECT_EQ(orphans[0].text("side"), "physical");
   EXPECT_EQ(orphans[0].text("id"), "make/real");
+  EXPECT_EQ(orphans[0].text("reason"), "its twin has disappeared");
   EXPECT_EQ(orphans[1].text("side"), "virtual");
   EXPECT_FALSE(monitor.held(monitor.entity("make/real")).matched);
   EXPECT_TRUE(monitor.held(both).matched);
@@ -180,7 +181,8 @@ TEST_F(Bijection, is_not_matched_while_an_observer_of_both_sides_reports_a_diffe
   wait(0s);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
-  monitor.set_findings({{Finding::Kind::no_twin, "make/b", "the camera sees it, and it has no twin", now}});
+  monitor.set_findings(Observer::camera,
+                       {{Finding::Kind::no_twin, "make/b", "the camera sees it, and it has no twin", now}});
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 0.5);
   const JsonValue json = written();
@@ -194,7 +196,7 @@ TEST_F(Bijection, is_not_affected_by_a_camera_without_detections) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
-  monitor.set_findings({{Finding::Kind::no_detection, "GVS", "no image arrives", now}});
+  monitor.set_findings(Observer::camera, {{Finding::Kind::no_detection, "GVS", "no image arrives", now}});
   wait(0s);
   wait(2s);
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
@@ -205,11 +207,11 @@ TEST_F(Bijection, does_not_hold_with_a_twin_that_the_camera_detects_elsewhere_af
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);
   monitor.set_virtual(a, true);
-  for (int i = 0; i < 8; ++i) monitor.actual(a, 0.2, 0.1);  // while its program starts
+  for (int i = 0; i < 8; ++i) monitor.actual(a, 0.2, 0.1, "camera");  // while its program starts
   EXPECT_TRUE(monitor.held(a).actual);
-  monitor.actual(a, 0.051, 0.1);
+  monitor.actual(a, 0.051, 0.1, "camera");
   EXPECT_FALSE(monitor.held(a).actual);
-  for (int i = 0; i < 200; ++i) monitor.actual(a, 0.049, 0.1);
+  for (int i = 0; i < 200; ++i) monitor.actual(a, 0.049, 0.1, "camera");
   EXPECT_TRUE(monitor.held(a).actual);
   EXPECT_EQ(monitor.actual_m().count(), 209U);
 }

@@ -73,6 +73,12 @@ Simulator::TwinId Simulator::appear(std::string id, std::uint32_t number, bool a
   return twins_.size() - 1;
 }
 
+void Simulator::disappear(TwinId twin, const Step& step) {
+  step("AIV_Server", "Simulator", "disappear",
+       twins_[twin].id() + " has left; display number " + std::to_string(twins_[twin].number()) + " stays its own");
+  if (entities_[twin]) monitor_.set_virtual(*entities_[twin], false);
+}
+
 void Simulator::reappear(TwinId twin, SimDuration extrapolate_max, const Step& step) {
   Twin& old = twins_[twin];
   step("AIV_Server", "Simulator", "appear", old.id() + " is back under display number " + std::to_string(old.number()));

@@ -57,7 +57,10 @@ class Simulator {
   /// First appearance of an AIV: assigns its display number (A25). The twin is shown from the first report on. @param
   /// augmented  the AIV has no physical side, so the monitor does not count it
   TwinId appear(std::string id, std::uint32_t number, bool augmented, SimDuration extrapolate_max, const Step& step);
-  /// A virtual AIV that was removed returns under its name, without any earlier report.
+  /// The inverse of an appearance: the AIV has left the zone, and its twin is shown no more. The display number stays
+  /// the AIV's.
+  void disappear(TwinId twin, const Step& step);
+  /// An AIV that was removed or has left returns under its name, without any earlier report.
   void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
   /// The position that the vehicle itself reports. Updates the monitor.
   void report(TwinId twin, SimTime now, const MotionReport& report);
@@ -68,7 +71,6 @@ class Simulator {
   [[nodiscard]] const Twin& twin(TwinId id) const { return twins_[id]; }
   /// Distance of the last report from the twin's prediction for the same time; 0 before the second report.
   [[nodiscard]] double last_divergence_m(TwinId id) const { return divergences_m_[id]; }
-  [[nodiscard]] std::size_t twin_count() const { return twins_.size(); }
   [[nodiscard]] Twin::Image image(TwinId id, SimTime now) const { return twins_[id].image_at(circuit(), now); }
 
   [[nodiscard]] Augmented& augmented() { return augmented_; }

@@ -15,6 +15,9 @@ namespace cosiva::wire {
 
 /// GVS → server, with each image: the vehicles that the camera detected and their poses (wire::GvsDetections, A34).
 inline constexpr std::string_view gvs_detections_topic = "cosiva/v1/gvs/detections";
+/// Instrument → server, once a second: the true poses of vehicles (wire::GvsDetections, without a field of view), from
+/// the emulated world or a motion capture system.
+inline constexpr std::string_view reference_poses_topic = "cosiva/v1/reference/poses";
 /// Retained with a last will: whether that camera is in operation (wire::GvsConnection).
 inline constexpr std::string_view gvs_connection_topic = "cosiva/v1/gvs/connection";
 /// Server → GVS: a client displays the preview, so images are sent for the next two seconds.

@@ -30,6 +30,11 @@ bool goes_aside(const NetworkFaults& faults, std::string_view topic) {
   return !faults.aside_prefix.empty() && topic.starts_with(faults.aside_prefix);
 }
 
+bool is_measured(const NetworkFaults& faults, const Publish& message) {
+  return message.qos == 0 && !message.retained && !faults.instrument_prefix.empty() &&
+         message.topic.starts_with(faults.instrument_prefix);
+}
+
 /// How much later a QoS 1 message is by retries; each loss is added to `lost`.
 SimDuration draw_radio_retries(Random& dice, double loss, SimDuration retry, std::uint64_t& lost) {
   SimDuration later{};
@@ -103,6 +108,10 @@ void Network::publish(SimTime now, ClientId from, const Publish& message) {
   COSIVA_EXPECT(from < clients_.size());
   Client& client = clients_[from];
   if (!client.connected) return;
+  if (is_measured(faults_, message)) {
+    for (const ClientId to : subscribers(message.topic)) enqueue(now + faults_.delay_min, to, message, false);
+    return;
+  }
   if (client.blocked.to_broker && !goes_aside(faults_, message.topic)) {
     if (message.qos == 0)
       ++counters_.lost;
@@ -154,7 +163,7 @@ void Network::stop(SimTime now) {
 }
 
 void Network::set_faults(NetworkFaults faults) {
-  COSIVA_EXPECT(faults.aside_prefix == faults_.aside_prefix);
+  COSIVA_EXPECT(faults.aside_prefix == faults_.aside_prefix && faults.instrument_prefix == faults_.instrument_prefix);
   COSIVA_EXPECT(faults.delay_min >= SimDuration::zero() && faults.delay_max >= faults.delay_min);
   COSIVA_EXPECT(faults.reorder_window >= SimDuration::zero() && faults.retry >= SimDuration::zero());
   faults_ = std::move(faults);

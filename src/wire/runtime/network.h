@@ -32,6 +32,9 @@ struct NetworkFaults {
   /// so that they change nothing for the rest of a run, and the two can be compared. Empty: there are none.
   std::string aside_prefix{};
   double aside_loss{0.0};  ///< probability per delivery of such a message that it is lost in addition
+  /// Messages of QoS 0 below this prefix are an instrument's, on a wire of their own: each arrives after `delay_min`,
+  /// and measuring changes nothing for the rest of a run. Empty: there are none.
+  std::string instrument_prefix{};
 };
 
 /// A broker in memory, for virtual time: retained messages, last will, QoS 0 and 1, and seeded faults. Without I/O like

@@ -366,6 +366,32 @@ TEST(Network, delivers_retained_messages_to_a_new_filter_only_once) {
   EXPECT_THAT(fixture.received_by(vehicle), ElementsAre("retained kept"));
 }
 
+TEST(Network, delivers_each_message_of_an_instrument_and_the_rest_as_if_there_were_none) {
+  const auto received_orders = [](bool measures) {
+    NetworkFaults faults{.loss = 0.2, .duplication = 0.1, .reordering = 0.1};
+    faults.instrument_prefix = "reference/";
+    Fixture fixture{faults};
+    const auto vehicle = fixture.join({"order", "reference/#"});
+    const auto other = fixture.join({});
+    for (int i = 0; i < 200; ++i) {
+      if (measures) fixture.publish_text(other, "reference/poses", "pose");
+      fixture.publish_text(other, "order", std::to_string(i));
+      fixture.pass(2ms);
+    }
+    fixture.pass(100ms);
+    std::vector<std::pair<std::string, SimTime>> received;
+    int measured = 0;
+    for (const auto& delivery : fixture.deliveries) {
+      if (delivery.to != vehicle) continue;
+      if (delivery.topic == "order") received.emplace_back(delivery.payload, delivery.at);
+      measured += delivery.topic == "reference/poses" ? 1 : 0;
+    }
+    EXPECT_EQ(measured, measures ? 200 : 0);
+    return received;
+  };
+  EXPECT_EQ(received_orders(true), received_orders(false));
+}
+
 TEST(Network, loses_only_separate_messages_where_that_is_requested) {
   NetworkFaults faults;
   faults.aside_prefix = "talk/";

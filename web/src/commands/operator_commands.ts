@@ -1,8 +1,8 @@
 // The operator's commands in the order of their buttons. Each has the shape of the state that it leads to.
-import type { CommandName } from '../live/contract';
+import type { Aiv, CommandName } from '../live/contract';
 
 export interface OperatorCommand {
-  command: Exclude<CommandName, 'cancel'>;
+  command: CommandName;
   word: string;
   what: string;
   /** SVG path in a 16 × 16 box */
@@ -16,3 +16,12 @@ export const operator_commands: readonly OperatorCommand[] = [
   { command: 'restart', word: 'Restart', what: 'Continue, without a speed limit', path: 'M4.5 3l8.5 5l-8.5 5z' },
   { command: 'stop', word: 'Stop', what: 'Stop', path: 'M3.5 3.5h9v9h-9z' },
 ];
+
+export type Presence = Pick<Aiv, 'augmented' | 'excluded' | 'absent'>;
+
+/** The commands that decide whether a vehicle takes part. Only a twin whose vehicle is absent can be retired. */
+export function presence_commands({ augmented, excluded, absent }: Presence): { command: CommandName; word: string }[] {
+  if (augmented) return [];
+  const toggle = excluded ? { command: 'include' as const, word: 'Include' } : { command: 'exclude' as const, word: 'Exclude' };
+  return absent ? [toggle, { command: 'retire', word: 'Retire' }] : [toggle];
+}

@@ -26,6 +26,10 @@ describe('the list of commands', () => {
     expect(first('remove p1')).toBe('Remove P1');
     expect(entries.some((entry) => entry.text === 'Remove AIV1')).toBe(false);
   });
+  it('offers to exclude physical vehicles, to include excluded ones, and to retire absent ones', () => {
+    const presence = entries_of([...vehicles, { id: 'ACME/7', name: '7', augmented: false, excluded: true, absent: 'it has signed off (OFFLINE)' }], []).map((entry) => entry.text).filter((text) => /^(Exclude|Include|Retire)/.test(text));
+    expect(presence).toEqual(['Exclude AIV1', 'Exclude AIV2', 'Include 7', 'Retire 7']);
+  });
   it('shows the first commands without input, and none without a match', () => {
     expect(search(entries, '')[0]?.text).toBe('Stop all AIVs');
     expect(search(entries, 'qqqq')).toEqual([]);

@@ -1,6 +1,6 @@
 // The list of commands: every command by name, also for each AIV ("stop AIV2"), found by a few letters.
 import { key_of, type Action } from '../shell/keys';
-import { operator_commands } from './operator_commands';
+import { operator_commands, presence_commands, type Presence } from './operator_commands';
 import type { CommandName } from '../live/contract';
 
 export type Doing =
@@ -102,12 +102,13 @@ function missions_of(vehicles: readonly { id: string; name: string }[], { statio
   return list;
 }
 
-export function entries_of(vehicles: readonly { id: string; name: string; augmented: boolean }[], virtualObjects: readonly { id: string }[], zone_items: ZoneItems = no_zone_items): Entry[] {
+export function entries_of(vehicles: readonly (Presence & { id: string; name: string })[], virtualObjects: readonly { id: string }[], zone_items: ZoneItems = no_zone_items): Entry[] {
   const list: Entry[] = actions.map(([action, text]) => entry(text, key_of(action) ?? '', { kind: 'act', action }));
   for (const { command, word } of operator_commands) if (command !== 'stop') list.push(entry(`${word} all AIVs`, '', { kind: 'command', command, vehicles: '*' }));
   for (const [name, text] of page_entries) list.push(entry(text, '', { kind: 'page', name }));
-  for (const { id, name, augmented } of vehicles) {
-    for (const { command, word } of operator_commands) list.push({ ...entry(`${word} ${name}`, '', { kind: 'command', command, vehicles: [id] }), key: `${command} ${id}` });
+  for (const vehicle of vehicles) {
+    const { id, name, augmented } = vehicle;
+    for (const { command, word } of [...operator_commands, ...presence_commands(vehicle)]) list.push({ ...entry(`${word} ${name}`, '', { kind: 'command', command, vehicles: [id] }), key: `${command} ${id}` });
     list.push({ ...entry(`Cancel the order of ${name}`, '', { kind: 'command', command: 'cancel', vehicles: [id] }), key: `cancel ${id}` });
     list.push({ ...entry(`Select ${name}`, '', { kind: 'select', id }), key: `select ${id}` });
     list.push({ ...entry(`Follow ${name}`, '', { kind: 'follow', id }), key: `follow ${id}` });

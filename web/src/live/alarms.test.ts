@@ -140,8 +140,15 @@ describe('the alarm list', () => {
 
   it('names both sides of a violated bijection', () => {
     const now = snapshot([aiv(1)]);
-    const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9' }] };
-    expect(alarms_after(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle' }]);
+    const bijection = { ...now.bijection, orphans: [{ side: 'virtual' as const, id: 'CoSiVA/AIV9', reason: 'it has signed off (OFFLINE)', since_ms: 0 }] };
+    expect(alarms_after(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle: it has signed off (OFFLINE)' }]);
+  });
+
+  it('names a body that the camera sees once, by its finding', () => {
+    const now = snapshot([aiv(1)]);
+    const text = 'the camera sees it (tag 7) at (0.1, 0.4), and it has no twin';
+    const bijection = { ...now.bijection, orphans: [{ side: 'physical' as const, id: 'ACME/7', reason: text, since_ms: 0 }], findings: [{ kind: 'no twin' as const, id: 'ACME/7', text, since_ms: 0 }] };
+    expect(alarms_after(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: '7', text }]);
   });
 
   it('contains the findings of the camera over the zone, about an AIV or the camera itself, until they end', () => {

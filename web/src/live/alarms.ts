@@ -31,8 +31,8 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   const here = !aiv.lost && aiv.connection === 'ONLINE';
   if (aiv.connection === 'CONNECTIONBROKEN') add('broken', 'Connection broken');
   else if (aiv.lost && aiv.connection === 'ONLINE') add('unresponsive', `No report for ${format.duration(aiv.age_ms)}`);
-  if (!aiv.contract.matched) add('matched', 'No twin');
   if (here) {
+    if (!aiv.contract.matched) add('matched', 'No twin');
     // The contract covers the last ten seconds; the current values may be within the limits again.
     if (!aiv.contract.divergence) add('divergence', 'Divergence recently above the contractual limit');
     if (aiv.contract.actual === false) add('actual', 'Recently deviating from the measurement of the camera');
@@ -91,8 +91,12 @@ export class AlarmBook {
       changed = true;
     };
     for (const row of rows) for (const cause of causes_of(row.aiv)) see(row.id, row.name, cause);
+    // An absent vehicle has an alarm of its own, except one that has signed off.
+    const absent = new Set(rows.filter(({ aiv }) => aiv.lost || aiv.connection === 'CONNECTIONBROKEN').map(({ id }) => id));
+    const detected = new Set((snapshot.bijection.findings ?? []).map(({ id }) => id));
     for (const orphan of snapshot.bijection.orphans) {
-      see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : 'A twin without a vehicle' });
+      if (absent.has(orphan.id) || detected.has(orphan.id)) continue;
+      see(orphan.id, format.serial(orphan.id), { code: `orphan ${orphan.side}`, text: orphan.side === 'physical' ? 'It has no twin' : `A twin without a vehicle: ${orphan.reason ?? ''}` });
     }
     for (const { kind, id, text } of snapshot.bijection.findings ?? []) see(kind === 'no detection' ? null : id, format.serial(id), { code: kind, text });
     for (const deadlock of snapshot.deadlocks?.list ?? []) {

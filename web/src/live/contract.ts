@@ -114,6 +114,10 @@ export interface Aiv extends Pose {
   map?: string | null;
   /** why the vehicle cannot drive in this zone; null if it can */
   offRoute?: string | null;
+  /** an operator has excluded it: it gets no orders */
+  excluded?: boolean;
+  /** why it is not on the physical side: its twin is an orphan; null if it is there */
+  absent?: string | null;
 }
 
 export interface BoardHealth {
@@ -202,12 +206,15 @@ export interface Bijection {
   virtual: number;
   matched: number;
   matched_ratio: number;
-  orphans: readonly { side: 'physical' | 'virtual'; id: string }[];
+  /** `reason` and `since_ms` of a twin whose vehicle is absent */
+  orphans: readonly { side: 'physical' | 'virtual'; id: string; reason?: string; since_ms?: number }[];
   /** discrepancies found by the camera above the zone; absent if the server has no camera */
-  findings?: readonly { kind: 'no twin' | 'not detected' | 'no detection'; id: string; text: string; since_ms: number }[];
+  findings?: readonly { kind: 'no twin' | 'not detected' | 'no detection' | 'displaced' | 'two programs' | 'displaced tag'; id: string; text: string; since_ms: number }[];
   divergence_m: Statistics;
   divergence_rad: Statistics;
-  /** distance of the twins from the positions measured by the camera */
+  /** what `actual_…` is measured against; absent in older servers */
+  references?: { divergence: string; actual: 'camera' | 'instrument' | null };
+  /** distance of the twins from the true positions of their vehicles */
   actual_m?: Statistics;
   actual_rad?: Statistics;
   age_ms: Statistics;
@@ -239,7 +246,7 @@ export const default_limits: ContractLimits = {
   actual_p99_m: 0.05,
 };
 
-export type CommandName = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel';
+export type CommandName = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel' | 'exclude' | 'include' | 'retire';
 export type CommandState = 'issued' | 'accepted' | 'materialised' | 'failed';
 
 export interface Command {

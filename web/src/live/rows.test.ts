@@ -18,6 +18,12 @@ describe('the rows', () => {
     expect(row?.note).toBe('brakingFor P1');
   });
 
+  it('name an excluded vehicle as such while it reports', () => {
+    const notes = (change: object) => rows_of(snapshot([aiv(1, { excluded: true, ...change })]))[0]?.note;
+    expect(notes({})).toBe('excluded');
+    expect(notes({ connection: 'OFFLINE' })).toBe('signed off');
+  });
+
   it('name the reason why a vehicle is stopped', () => {
     const [row] = rows_of(snapshot([aiv(1, { status: 'stopped', waitsFor: 'X2, CoSiVA/AIV4' })]));
     expect(row?.note).toBe('waits: X2, AIV4');

@@ -49,6 +49,7 @@ function note_of(aiv: Aiv): string {
   if (aiv.connection === 'CONNECTIONBROKEN') return 'connection broken';
   if (aiv.connection === 'OFFLINE') return 'signed off';
   if (aiv.lost) return 'no report';
+  if (aiv.excluded) return 'excluded';
   if (aiv.paused) return 'by command';
   if (aiv.brakingFor) return `brakingFor ${aiv.brakingFor}`;
   if (aiv.waitsFor && state_key(aiv.status, false, 'ONLINE') === 'stopped') return `waits: ${short(aiv.waitsFor)}`;

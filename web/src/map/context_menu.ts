@@ -1,6 +1,6 @@
 // The entries of the map's context menu, for the object under the pointer and for that position.
 import { api } from '../live/api';
-import { operator_commands } from '../commands/operator_commands';
+import { operator_commands, presence_commands } from '../commands/operator_commands';
 import type { CommandName, Point } from '../live/contract';
 import { layout } from '../shell/layout.svelte';
 import { section_at } from './geometry';
@@ -68,6 +68,8 @@ function of_hit(map: MapState, hit: NonNullable<Menu['hit']>): MenuGroup[] {
     const wanted: readonly CommandName[] = ['slow', 'medium', 'fast', 'stop', 'restart'];
     items.push(...wanted.map((command) => ({ word: word_of(command), act: give(command), danger: command === 'stop' })));
     items.push(...missions(map, id));
+    const aiv = platform.rows.find((row) => row.id === id)?.aiv;
+    if (aiv) items.push(...presence_commands(aiv).map(({ command, word }) => ({ word, act: give(command) })));
     const followed = platform.following && platform.selected === id;
     items.push({
       word: followed ? 'Stop following' : 'Follow',

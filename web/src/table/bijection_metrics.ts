@@ -17,10 +17,10 @@ export function figures_of(bijection: Bijection): Figure[] {
   const verdict_of = (count: number, fulfilled: boolean): Figure['verdict'] => (count === 0 ? 'open' : fulfilled ? 'kept' : 'broken');
   const { divergence_m, actual_m, age_ms, commands, events } = bijection;
   const expected = Math.max(bijection.physical, bijection.virtual);
-  // Only with a camera above the zone.
+  // Only where a camera or another instrument provides true positions.
   const actual: Figure[] = actual_m?.count ? [{
     key: 'actual',
-    label: 'Twin to camera p99',
+    label: bijection.references?.actual === 'instrument' ? 'Twin to true pose p99' : 'Twin to camera p99',
     value: format.length(actual_m.p99),
     detail: `mean ${format.length(actual_m.mean)}, max ${format.length(actual_m.max)}`,
     limit: `≤ ${format.length(limits.actual_p99_m)}`,

@@ -36,7 +36,8 @@ constexpr double virtual_object_radius_m = 0.05;
 const std::vector<std::string_view> actions{
     "command", "go",    "circulate", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle", "move",
     "remove",  "close", "open",      "switch", "radio",       "priority"};
-const std::vector<std::string_view> vehicle_commands{"stop", "slow", "medium", "fast", "restart", "cancel"};
+const std::vector<std::string_view> vehicle_commands{"stop",   "slow",    "medium",  "fast",  "restart",
+                                                     "cancel", "exclude", "include", "retire"};
 const std::vector<std::string_view> repeats{"once", "back and forth", "loop"};
 
 std::string at_text(Point2 p) { return "(" + toml_number(p.x_m) + ", " + toml_number(p.y_m) + ")"; }

@@ -14,6 +14,7 @@
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/zone/rtm/rtm_builder.h"
@@ -526,6 +527,7 @@ class World::Impl::Faults final : public FaultInjection {
   }
   void set_network(wire::NetworkFaults injected) override {
     injected.aside_prefix = world_.options.network.aside_prefix;
+    injected.instrument_prefix = world_.options.network.instrument_prefix;
     world_.network.set_faults(std::move(injected));
   }
   void stop_broker() override {
@@ -666,6 +668,7 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   if (!plant) return tl::unexpected(plant.error());
 
   if (options.network.aside_prefix.empty()) options.network.aside_prefix = wire::v2x_topic_prefix;
+  options.network.instrument_prefix = wire::reference_poses_topic;
   std::unique_ptr<World> world{new World};
   world->impl_ = std::make_unique<Impl>(std::move(options));
   Impl& inside = *world->impl_;

@@ -49,12 +49,14 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCo
 
 Result<void> Commands::check(const VehicleCommand& requested) const {
   if (!requested.kind) {
-    return fail(
-        "command.unknown",
-        "there is no command '" + requested.command_text + "'; use stop, slow, medium, fast, limit, restart or cancel",
-        "command");
+    return fail("command.unknown",
+                "there is no command '" + requested.command_text +
+                    "'; use stop, slow, medium, fast, limit, restart, cancel, exclude, include or retire",
+                "command");
   }
   if (requested.all()) {
+    if (requested.kind == OperatorCommandKind::exclude)
+      return fail("command.vehicle", "name the vehicles to exclude; stop or cancel all of them instead", "vehicle");
     // A Stop and its end also hold for vehicles that are not known yet.
     const bool holds_later =
         requested.kind == OperatorCommandKind::stop || requested.kind == OperatorCommandKind::restart;
@@ -64,6 +66,8 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   }
   for (const std::string& name : requested.vehicle_names) {
     const auto vehicle = registry_.find(name);
+    // A vehicle can be included while it is away.
+    if (requested.kind == OperatorCommandKind::include && intentions_.of(name).excluded) continue;
     if (!vehicle || registry_[*vehicle].retired()) {
       return fail("command.vehicle", "no vehicle '" + name + "' is known; name it as manufacturer/serial number",
                   "vehicle");
@@ -71,7 +75,8 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   }
   // Of several vehicles, those that can execute the command do so; the entries of the others state the reason.
   if (requested.several) return {};
-  if (auto reason = impossible(*registry_.find(requested.vehicle_names.front()), *requested.kind))
+  const auto vehicle = registry_.find(requested.vehicle_names.front());
+  if (auto reason = vehicle ? impossible(*vehicle, *requested.kind) : std::nullopt)
     return fail("command.impossible", std::move(*reason), "vehicle");
   return {};
 }
@@ -175,6 +180,17 @@ void Commands::begin(Command command) {
       orders_.stop_extending(command.vehicle);
       actions.push_back(action("cancelOrder"));
       break;
+    case OperatorCommandKind::exclude:
+      proxy.settings.set_excluded(true);
+      orders_.stop_extending(command.vehicle);
+      actions.push_back(action("cancelOrder"));
+      break;
+    case OperatorCommandKind::include:
+      proxy.settings.set_excluded(false);
+      accept(command);
+      materialise(command);  // the vehicle need not do anything
+      keep(std::move(command));
+      return;
     case OperatorCommandKind::slow:
     case OperatorCommandKind::medium:
     case OperatorCommandKind::fast:
@@ -225,7 +241,9 @@ bool Commands::stop_unperformed(VehicleIndex vehicle) const {
 bool Commands::supersede(const Command& by) {
   // Otherwise the older command, repeated because its acknowledgement was lost, would revert the newer one.
   const auto overtakes = [&](OperatorCommandKind older) {
-    if (older == *by.kind || *by.kind == OperatorCommandKind::restart) return true;
+    if (older == *by.kind) return true;
+    if (older == OperatorCommandKind::exclude) return by.kind == OperatorCommandKind::include;
+    if (by.kind == OperatorCommandKind::restart) return true;
     return (sets_speed(older) && sets_speed(*by.kind)) ||
            (older == OperatorCommandKind::restart && *by.kind == OperatorCommandKind::stop);
   };
@@ -251,7 +269,9 @@ bool Commands::effect_observed(const Command& command) const {
       });
       return !state.paused && (!proxy.reported_state.imposed() || limited_since);
     }
-    case OperatorCommandKind::cancel: return state.node_states.empty() && !state.driving;
+    case OperatorCommandKind::cancel:
+    case OperatorCommandKind::exclude: return state.node_states.empty() && !state.driving;
+    case OperatorCommandKind::include: return true;
     case OperatorCommandKind::limit:
       return action_sender_.find(command.handle)->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;

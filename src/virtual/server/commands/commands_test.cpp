@@ -804,7 +804,8 @@ TEST_F(FollowedCommands, that_are_none_are_listed_as_failed_with_the_vehicles_na
   EXPECT_EQ(dance.vehicle_name, "CoSiVA/AIV1, Acme/A2");
   EXPECT_EQ(dance.command_text, "dance");
   EXPECT_EQ(dance.reason,
-            "command: there is no command 'dance'; use stop, slow, medium, fast, limit, restart or cancel");
+            "command: there is no command 'dance'; use stop, slow, medium, fast, limit, restart, cancel, exclude, "
+            "include or retire");
   const Command& unreadable = issue(fail("command.syntax", "no object"));
   EXPECT_EQ(unreadable.reason, "no object");
   EXPECT_EQ(unreadable.vehicle_name, "");

@@ -28,6 +28,7 @@ void IntentionEnforcer::tick() {
 std::optional<OperatorCommandKind> IntentionEnforcer::unfulfilled(const AivProxy& proxy, const Intention& intention) {
   const wire::State& state = *proxy.state();
   if (intention.stopped && !state.paused) return OperatorCommandKind::stop;
+  if (intention.excluded && !state.node_states.empty()) return OperatorCommandKind::exclude;
   if (intention.cancelled && !state.node_states.empty()) return OperatorCommandKind::cancel;
   if (proxy.supports("setSpeedLimit") == std::optional{false}) return std::nullopt;
   if (intention.speed_mps_max && proxy.settings.speed_mps_max() != intention.speed_mps_max)
@@ -42,6 +43,7 @@ void IntentionEnforcer::enforce(VehicleIndex vehicle) {
   COSIVA_EXPECT(proxy.state() != nullptr);
   const Intention& intention = intentions_.of(proxy.name());
   proxy.settings.await_stop(intention.stopped && !proxy.state()->paused);
+  proxy.settings.set_excluded(intention.excluded);
   if (intention.empty()) return;
   if (intention.cancelled) proxy.settings.on_cancel();
   const auto kind = unfulfilled(proxy, intention);

@@ -12,6 +12,7 @@ void write_intention(JsonWriter& json, const Intention& intention) {
   json.begin_object();
   if (intention.stopped) json.field("stopped", true);
   if (intention.cancelled) json.field("cancelled", true);
+  if (intention.excluded) json.field("excluded", true);
   if (intention.profile) json.field("profile", aiv::to_string(*intention.profile));
   if (intention.speed_mps_max) json.field("speed", *intention.speed_mps_max);
   json.end_object();
@@ -22,6 +23,7 @@ std::optional<Intention> read_intention(const JsonValue& json) {
   Intention intention;
   intention.stopped = json.flag("stopped").value_or(false);
   intention.cancelled = json.flag("cancelled").value_or(false);
+  intention.excluded = json.flag("excluded").value_or(false);
   if (const auto profile = json.text("profile")) {
     intention.profile = aiv::parse_profile(*profile);
     if (!intention.profile) return std::nullopt;
@@ -47,8 +49,15 @@ std::optional<aiv::Profile> profile_of(OperatorCommandKind kind) {
 void Intention::take(OperatorCommandKind kind, double speed_mps) {
   switch (kind) {
     case OperatorCommandKind::stop: stopped = true; break;
-    case OperatorCommandKind::restart: *this = Intention{}; break;
+    case OperatorCommandKind::restart: {
+      const bool still_excluded = excluded;
+      *this = Intention{};
+      excluded = still_excluded;
+      break;
+    }
     case OperatorCommandKind::cancel: cancelled = true; break;
+    case OperatorCommandKind::exclude: excluded = true; break;
+    case OperatorCommandKind::include: excluded = false; break;
     case OperatorCommandKind::limit:
       COSIVA_EXPECT(speed_mps > 0.0 && std::isfinite(speed_mps));
       speed_mps_max = speed_mps;

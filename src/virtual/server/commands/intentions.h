@@ -22,7 +22,8 @@ struct Intention {
   bool stopped{false};
   bool cancelled{false};
   std::optional<aiv::Profile> profile;
-  std::optional<double> speed_mps_max;
+  std::optional<double> speed_mps_max{};
+  bool excluded{false};  ///< gets no orders and no missions until it is included
 
   [[nodiscard]] bool empty() const { return *this == Intention{}; }
   void take(OperatorCommandKind kind, double speed_mps);
@@ -47,7 +48,7 @@ class Intentions {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] bool empty() const { return everyone_.empty() && own_.empty(); }
 
-  /// {"all":{…},"vehicles":{"CoSiVA/AIV1":{"stopped":true,"cancelled":true,"profile":"slow","speed":0.25}}}
+  /// {"all":{…},"vehicles":{"CoSiVA/AIV1":{"stopped":true,"cancelled":true,"excluded":true,"profile":"slow","speed":0.25}}}
   void write(JsonWriter& json) const;
   /// Replaces all intentions; items that cannot be read are skipped, and false is returned.
   [[nodiscard]] bool restore(const JsonValue& json);

@@ -65,6 +65,21 @@ TEST(Intentions, of_speed_replace_each_other_as_the_commands_do) {
   EXPECT_EQ(intentions.of("CoSiVA/AIV1"), (Intention{false, false, aiv::Profile::medium, 0.5}));
 }
 
+TEST(Intentions, of_exclusion_outlast_restarts_and_missions_until_the_vehicle_is_included) {
+  Intentions intentions;
+  intentions.take("CoSiVA/AIV1", stop, 0.0);
+  intentions.take("CoSiVA/AIV1", exclude, 0.0);
+  intentions.take_for_all(restart, 0.0);
+  intentions.on_mission("CoSiVA/AIV1");
+  EXPECT_EQ(intentions.of("CoSiVA/AIV1"), (Intention{false, false, std::nullopt, std::nullopt, true}));
+  EXPECT_FALSE(intentions.of("CoSiVA/AIV2").excluded);
+  Intentions restored;
+  ASSERT_TRUE(restored.restore(*JsonValue::parse(text_of(intentions))));
+  EXPECT_TRUE(restored.of("CoSiVA/AIV1").excluded);
+  restored.take_for_all(include, 0.0);
+  EXPECT_TRUE(restored.empty());
+}
+
 TEST(Intentions, of_cancelling_end_with_a_mission) {
   Intentions intentions;
   intentions.take("CoSiVA/AIV1", cancel, 0.0);

@@ -64,21 +64,23 @@ Result<CheckedCommand> CommandRouter::checked(const OperatorCommand& command) co
     if (!good) return tl::unexpected(good.error());
     return CheckedCommand{one};
   };
-  return std::visit(Overloaded{
-                        [](const VehicleCommand&) -> Result<CheckedCommand> { COSIVA_EXPECT(false); },
-                        [&](const MissionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
-                        [&](const SectionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
-                        [&](const MoveCommand& one) { return either(augmented_.objects.read(one)); },
-                        [&](const RemoveCommand& one) { return either(augmented_.objects.read(one)); },
-                        [&](const EditCommand& one) -> Result<CheckedCommand> {
-                          auto after = zones_.edits().after(one, context_.simulator);
-                          if (!after) return tl::unexpected(std::move(after.error()));
-                          return CheckedCommand{CheckedEdit{one.kind, std::move(*after)}};
-                        },
-                        [&](const SwitchCommand& one) { return as_stated(zones_.check(one), one); },
-                        [&](const auto& one) { return checked(one); },
-                    },
-                    command);
+  return std::visit(
+      Overloaded{
+          [](const VehicleCommand&) -> Result<CheckedCommand> { COSIVA_EXPECT(false); },
+          [&](const MissionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
+          [&](const SectionCommand& one) { return as_stated(master_.mission_requests.check(one), one); },
+          [&](const MoveCommand& one) { return either(augmented_.objects.read(one)); },
+          [&](const RemoveCommand& one) { return either(augmented_.objects.read(one)); },
+          [&](const EditCommand& one) -> Result<CheckedCommand> {
+            auto after = zones_.edits().after(one, context_.simulator);
+            if (!after) return tl::unexpected(std::move(after.error()));
+            return CheckedCommand{CheckedEdit{one.kind, std::move(*after)}};
+          },
+          [&](const SwitchCommand& one) { return as_stated(zones_.check(one), one); },
+          [&](const RetireCommand& one) { return either(instruments_.presence.departure(one, context_.now)); },
+          [&](const auto& one) { return checked(one); },
+      },
+      command);
 }
 
 Result<CheckedCommand> CommandRouter::checked(const AddCommand& command) const {
@@ -152,6 +154,10 @@ void CommandRouter::execute(const MissionCommand& command) {
       if (name == "*" || name == proxy.name()) master_.intentions.on_mission(proxy.name());
   }
   context_.state_stale = true;
+}
+
+void CommandRouter::execute(const Departure& command) {
+  vehicles_.depart(command.vehicle, "operator", "an operator has retired it");
 }
 
 void CommandRouter::execute(const SectionCommand& command) {

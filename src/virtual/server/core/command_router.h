@@ -32,8 +32,8 @@ struct MessageCommand {
 
 /// A command that was compared with the vehicles and the zone, ready to be executed. Commands to vehicles are none of
 /// these; Commands lists even those that it refuses.
-using CheckedCommand =
-    std::variant<VirtualObjectCommand, CheckedEdit, SwitchCommand, MessageCommand, MissionCommand, SectionCommand>;
+using CheckedCommand = std::variant<VirtualObjectCommand, CheckedEdit, SwitchCommand, MessageCommand, MissionCommand,
+                                    SectionCommand, Departure>;
 
 /// Routes the decoded commands of operators: each is checked, then executed by the part that handles it.
 /// Invariant: no part executes a command that was not validated, and a refused command changes nothing but the lists
@@ -41,11 +41,12 @@ using CheckedCommand =
 class CommandRouter {
  public:
   CommandRouter(ServerContext& context, MasterControl& master, AugmentedParts& augmented,
-                const InstrumentParts& instruments, ZoneSession& zones, VirtualWorld& world)
+                const InstrumentParts& instruments, VehicleLifecycle& vehicles, ZoneSession& zones, VirtualWorld& world)
       : context_{context},
         master_{master},
         augmented_{augmented},
         instruments_{instruments},
+        vehicles_{vehicles},
         zones_{zones},
         world_{world} {}
 
@@ -68,11 +69,13 @@ class CommandRouter {
   void execute(MessageCommand& command);
   void execute(const MissionCommand& command);
   void execute(const SectionCommand& command);
+  void execute(const Departure& command);
 
   ServerContext& context_;
   MasterControl& master_;
   AugmentedParts& augmented_;
   const InstrumentParts& instruments_;
+  VehicleLifecycle& vehicles_;
   ZoneSession& zones_;
   VirtualWorld& world_;
 };

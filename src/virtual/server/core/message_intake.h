@@ -4,9 +4,9 @@
 #include "cosiva/virtual/server/context/instrument_parts.h"
 #include "cosiva/virtual/server/context/server_context.h"
 #include "cosiva/virtual/server/core/ownership.h"
-#include "cosiva/virtual/server/core/v2x_intake.h"
-#include "cosiva/virtual/server/core/vehicle_reports.h"
 #include "cosiva/virtual/server/core/zone_session.h"
+#include "cosiva/virtual/server/reports/v2x_intake.h"
+#include "cosiva/virtual/server/reports/vehicle_reports.h"
 
 namespace cosiva::virtual_side {
 

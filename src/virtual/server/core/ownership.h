@@ -4,10 +4,10 @@
 
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/twin_placement.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
-#include "cosiva/virtual/server/core/vehicle_reports.h"
 #include "cosiva/virtual/server/core/zone_session.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/vehicle_reports.h"
 
 namespace cosiva::virtual_side {
 

@@ -9,9 +9,9 @@
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/virtual_world.h"
 #include "cosiva/virtual/server/core/zone_session.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 
 namespace cosiva::virtual_side {
 

@@ -14,11 +14,11 @@
 #include "cosiva/virtual/server/core/persisted_state.h"
 #include "cosiva/virtual/server/core/report_follow_up.h"
 #include "cosiva/virtual/server/core/server_view.h"
-#include "cosiva/virtual/server/core/twin_placement.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
-#include "cosiva/virtual/server/core/vehicle_reports.h"
 #include "cosiva/virtual/server/core/virtual_world.h"
 #include "cosiva/virtual/server/core/zone_session.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/vehicle_reports.h"
 #include "cosiva/wire/runtime/snapshot.h"
 
 namespace cosiva::virtual_side {
@@ -44,7 +44,7 @@ struct ServerCore::Impl {
   VehicleReports reports{parts.context, parts.master, parts.augmented, parts.instruments, vehicles, twins};
   Ownership ownership{parts.context, parts.master, vehicles, twins, reports, zones};
   VirtualWorld world{parts.context, parts.augmented, vehicles};
-  CommandRouter router{parts.context, parts.master, parts.augmented, parts.instruments, zones, world};
+  CommandRouter router{parts.context, parts.master, parts.augmented, parts.instruments, vehicles, zones, world};
   PersistedState persisted{parts.context, parts.master, parts.augmented, vehicles, zones, world};
   ReportFollowUp follow_up{parts.context, parts.master, zones};
   MessageIntake intake{parts.context, parts.augmented, parts.instruments, ownership, reports, zones};
@@ -77,7 +77,7 @@ void ServerCore::Impl::archive(Archive& archive) {
           master.deadlocks, master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
   AugmentedParts& augmented = parts.augmented;
   archive(augmented.hosted, augmented.restored, augmented.pauses, augmented.virtual_obstacles);
-  archive(parts.instruments.batteries, parts.instruments.gvs);
+  archive(parts.instruments.batteries, parts.instruments.gvs, parts.instruments.reports);
   archive(vehicles, persisted, ticked_at, beginning.at, beginning.takes_earlier_commands);
 }
 
@@ -102,7 +102,12 @@ void ServerCore::Impl::on_tick() {
   world.remove_passed_obstacles();
   parts.master.actions.tick(context.registry, context.link.up());
   parts.master.commands.tick();
-  parts.instruments.gvs.tick(context.now, !context.areas.several());
+  InstrumentParts& instruments = parts.instruments;
+  instruments.gvs.tick(context.now, !context.areas.several());
+  instruments.presence.tick(context.now);
+  instruments.reports.tick(context.now);
+  if (const auto left = instruments.presence.departed(context.now))
+    vehicles.depart(*left, "GVS", "the camera has detected no vehicle at its position for 5 s");
   account_for_cycle();
 }
 

@@ -25,7 +25,8 @@ TEST(ServerView, shows_a_broken_connection_at_once_and_keeps_the_twin) {
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").text("connection"), "CONNECTIONBROKEN");
   EXPECT_EQ(fixture.aiv("CoSiVA/AIV1").flag("lost"), true);
   fixture.run_for(10s);
-  EXPECT_EQ(*fixture.bijection().number("matched"), 1.0);
+  EXPECT_EQ(*fixture.bijection().number("virtual"), 1.0);
+  EXPECT_EQ(*fixture.bijection().number("matched"), 0.0);
   EXPECT_GT(*fixture.aiv("CoSiVA/AIV1").number("age_ms"), 9000.0);
 }
 
@@ -203,14 +204,12 @@ TEST(ServerView, shows_a_finding_of_the_camera_and_changes_its_revision) {
     detections.detections = {{"CoSiVA/AIV9", 9, fixture.now, {1.0, 0.0, 0.0}, 0.001}};
     fixture.feed(wire::InputKind::message, std::string(wire::gvs_detections_topic), wire::to_json(detections));
   };
-  for (int i = 0; i < 6; ++i) {
-    detect();
-    fixture.run_for(500ms);
-  }
+  detect();
+  fixture.run_for(500ms);
   const ServerCore::PageRevision before = fixture.server->page_revision();
   EXPECT_TRUE(fixture.bijection().find("findings")->array()->empty());
   detect();
-  fixture.run_for(20ms);
+  fixture.run_for(500ms);
   ASSERT_EQ(fixture.bijection().find("findings")->array()->size(), 1U);
   EXPECT_EQ(fixture.bijection().find("findings")->array()->front().text("kind"), "no twin");
   EXPECT_NE(fixture.server->page_revision().waited_for, before.waited_for);

@@ -105,6 +105,9 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
   write_reserved(json, vehicle);
   if (proxy.on_board.boards()) write_boards(json, *proxy.on_board.boards());
   write_contract(json, proxy);
+  json.field("excluded", proxy.settings.excluded());
+  text_or_null(json, "absent",
+               proxy.augmented() ? "" : context_.simulator.monitor().held(proxy.twin_link.entity()).absence);
   json.end_object();
 }
 

@@ -6,7 +6,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 
 namespace cosiva::virtual_side {
 

@@ -13,9 +13,9 @@
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/twin_placement.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/core/zone_change.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/virtual/server/zones/zone_edits.h"
 

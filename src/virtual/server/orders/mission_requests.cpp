@@ -47,7 +47,7 @@ Result<std::vector<VehicleIndex>> MissionRequests::addressed(const std::vector<s
   for (const std::string& name : names) {
     if (name == "*") {
       for (VehicleIndex v = 0; v < registry_.size(); ++v)
-        if (!registry_[v].retired()) vehicles.push_back(v);
+        if (!registry_[v].retired() && !registry_[v].settings.excluded()) vehicles.push_back(v);
       continue;
     }
     const auto vehicle = registry_.find(name);
@@ -57,6 +57,8 @@ Result<std::vector<VehicleIndex>> MissionRequests::addressed(const std::vector<s
                                : "no vehicle '" + cut(name) + "' is known; name it as manufacturer/serial number",
                   "vehicle");
     }
+    if (registry_[*vehicle].settings.excluded())
+      return fail("mission.excluded", "'" + cut(name) + "' is excluded; include it first", "vehicle");
     vehicles.push_back(*vehicle);
   }
   if (vehicles.empty()) return fail("mission.vehicle", "no vehicle is known yet", "vehicle");

@@ -33,6 +33,7 @@ class ConnectionRecord {
   /// As shown: a vehicle that never reported its connection counts as ONLINE.
   [[nodiscard]] wire::ConnectionState shown() const { return state_.value_or(wire::ConnectionState::online); }
   [[nodiscard]] bool online() const { return shown() == wire::ConnectionState::online; }
+  [[nodiscard]] SimTime changed_at() const { return changed_at_; }
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:

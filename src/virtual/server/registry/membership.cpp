@@ -15,12 +15,19 @@ void Membership::on_retired() {
   handed_over_.reset();
 }
 
+void Membership::on_departed() {
+  on_retired();
+  departed_ = true;
+}
+
 void Membership::on_handed_over(SimTime now) {
   COSIVA_EXPECT(!retired_);
   COSIVA_EXPECT(!handed_over_ || handed_over_->last <= now);
   handed_over_ = {handed_over_ ? handed_over_->first : now, now};
 }
 
-void Membership::archive(Archive& archive) { archive(first_received_, last_received_, retired_, handed_over_); }
+void Membership::archive(Archive& archive) {
+  archive(first_received_, last_received_, retired_, departed_, handed_over_);
+}
 
 }  // namespace cosiva::virtual_side

@@ -9,8 +9,8 @@ namespace cosiva::virtual_side {
 
 /// Whether a vehicle takes part in the table and the traffic of this server.
 ///
-/// Invariant: a retired vehicle is not handed over, and the first publication of a handover is not after the last one.
-/// The last message is not before the first one.
+/// Invariant: a retired vehicle is not handed over, a departed one is retired, and the first publication of a handover
+/// is not after the last one. The last message is not before the first one.
 class Membership {
  public:
   /// The server has published that the vehicle belongs to another control area: nothing more is sent to the vehicle.
@@ -28,8 +28,10 @@ class Membership {
 
   /// The vehicle leaves the table and the traffic; a vehicle of the same name may return.
   void on_retired();
+  /// The vehicle has left the zone: its next report, and not another control area, brings the vehicle back.
+  void on_departed();
   /// The server drives the vehicle from now on.
-  void on_accepted() { retired_ = false; }
+  void on_accepted() { retired_ = departed_ = false; }
   /// The new owner has been published, for the first time or again.
   /// @param now  not before the last publication (checked); the vehicle is not retired (checked)
   void on_handed_over(SimTime now);
@@ -39,6 +41,7 @@ class Membership {
   [[nodiscard]] SimTime first_received() const { return first_received_; }
   [[nodiscard]] SimTime last_received() const { return last_received_; }
   [[nodiscard]] bool retired() const { return retired_; }
+  [[nodiscard]] bool departed() const { return departed_; }
   [[nodiscard]] const std::optional<HandedOver>& handed_over() const { return handed_over_; }
   /// A vehicle that is being handed over is not shown, so that no two control areas show the vehicle at once.
   [[nodiscard]] bool hidden_by_handover(SimTime now) const {
@@ -50,6 +53,7 @@ class Membership {
   SimTime first_received_;
   SimTime last_received_;
   bool retired_{false};
+  bool departed_{false};
   std::optional<HandedOver> handed_over_;
 };
 

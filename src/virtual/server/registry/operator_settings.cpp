@@ -35,7 +35,7 @@ void OperatorSettings::on_body_left() {
 }
 
 void OperatorSettings::archive(Archive& archive) {
-  archive(priority_, speed_mps_max_, no_orders_, stop_awaited_, paused_for_body_);
+  archive(priority_, speed_mps_max_, no_orders_, stop_awaited_, excluded_, paused_for_body_);
 }
 
 }  // namespace cosiva::virtual_side

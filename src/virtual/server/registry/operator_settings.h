@@ -8,7 +8,7 @@
 namespace cosiva::virtual_side {
 
 /// What operators, the zone and the server have set for a vehicle: its priority, its limit of speed, and whether it
-/// gets orders or is paused.
+/// gets orders, is excluded, or is paused.
 ///
 /// Invariant: the priority is one that a zone can give (0 to 999), a limit of speed is positive and finite, and a
 /// vehicle is paused for at most one virtual body at a time.
@@ -27,6 +27,8 @@ class OperatorSettings {
   /// An operator has cancelled the order: the vehicle gets no orders until it is restarted or given a mission.
   void on_cancel() { no_orders_ = true; }
   void on_mission() { no_orders_ = false; }
+  /// An operator has excluded the vehicle, or included it again: excluded, it gets neither orders nor missions.
+  void set_excluded(bool excluded) { excluded_ = excluded; }
   /// Whether the vehicle must confirm first that it is stopped, before it gets orders.
   void await_stop(bool awaited) { stop_awaited_ = awaited; }
   /// An operator has chosen a speed profile, which replaces a limit.
@@ -45,7 +47,8 @@ class OperatorSettings {
 
   [[nodiscard]] std::int32_t priority() const { return priority_; }  ///< higher goes first at a crossing
   [[nodiscard]] std::optional<double> speed_mps_max() const { return speed_mps_max_; }
-  [[nodiscard]] bool no_orders() const { return no_orders_ || stop_awaited_; }
+  [[nodiscard]] bool no_orders() const { return no_orders_ || stop_awaited_ || excluded_; }
+  [[nodiscard]] bool excluded() const { return excluded_; }
   /// An operator's Stop holds, and the vehicle has not confirmed it.
   [[nodiscard]] bool stop_awaited() const { return stop_awaited_; }
   [[nodiscard]] bool paused_for_body() const { return paused_for_body_; }
@@ -56,6 +59,7 @@ class OperatorSettings {
   std::optional<double> speed_mps_max_;
   bool no_orders_{false};
   bool stop_awaited_{false};
+  bool excluded_{false};
   bool paused_for_body_{false};
 };
 

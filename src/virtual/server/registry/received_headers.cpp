@@ -55,6 +55,6 @@ ReceivedHeaders::Gap ReceivedHeaders::on_header(VehicleTopic topic, const wire::
   return {step - 1, false};
 }
 
-void ReceivedHeaders::archive(Archive& archive) { archive(newest_id_, missing_, version_); }
+void ReceivedHeaders::archive(Archive& archive) { archive(newest_id_, missing_, version_, senders_); }
 
 }  // namespace cosiva::virtual_side

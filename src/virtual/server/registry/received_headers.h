@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "cosiva/base/archive_fwd.h"
+#include "cosiva/virtual/server/registry/sender_watch.h"
 #include "cosiva/virtual/server/registry/vehicle_topic.h"
 #include "cosiva/wire/messages/messages.h"
 
@@ -37,8 +38,11 @@ class ReceivedHeaders {
   void on_session() {
     newest_id_ = {};
     missing_ = {};
+    senders_.on_session();
   }
 
+  [[nodiscard]] SenderWatch& senders() { return senders_; }
+  [[nodiscard]] const SenderWatch& senders() const { return senders_; }
   /// Exactly as the vehicle writes it; empty until its first message.
   [[nodiscard]] const std::string& version() const { return version_; }
   void archive(Archive& archive);  ///< the state, for a snapshot
@@ -47,6 +51,7 @@ class ReceivedHeaders {
   std::array<std::optional<std::uint32_t>, vehicle_topics> newest_id_;
   std::array<std::uint64_t, vehicle_topics> missing_{};  ///< bit n: the id n + 1 below the newest one has not arrived
   std::string version_;
+  SenderWatch senders_;
 };
 
 }  // namespace cosiva::virtual_side

@@ -8,6 +8,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
 #include "cosiva/virtual/server/registry/reordering.h"
+#include "cosiva/virtual/server/view/decimetres.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -35,24 +36,18 @@ bool inside(const std::vector<Point2>& polygon, Point2 p) {
   return odd;
 }
 
-/// In decimetres: the position helps an operator to find the vehicle, and the text must not change with every image.
-std::string position_text(const Pose2& pose) {
-  const auto text = [](double m) {
-    const long dm = std::lround(10.0 * m);
-    return std::string(dm < 0 ? "-" : "") + std::to_string(std::labs(dm) / 10) + "." +
-           std::to_string(std::labs(dm) % 10);
-  };
-  return "(" + text(pose.x_m) + ", " + text(pose.y_m) + ")";
-}
+std::string position_text(const Pose2& pose) { return "(" + decimetres(pose.x_m) + ", " + decimetres(pose.y_m) + ")"; }
 
 }  // namespace
 
 std::vector<std::string> GroundTruthComparator::subscriptions() {
-  return {std::string(wire::gvs_detections_topic), std::string(wire::gvs_connection_topic)};
+  return {std::string(wire::gvs_detections_topic), std::string(wire::gvs_connection_topic),
+          std::string(wire::reference_poses_topic)};
 }
 
 Result<std::string> GroundTruthComparator::on_message(SimTime now, const wire::Input& input) {
   now_ = now;
+  if (input.source == wire::reference_poses_topic) return take_reference(input);
   if (input.source == wire::gvs_connection_topic) {
     if (input.payload.empty()) {  // the retained message was deleted from the broker
       connection_.reset();
@@ -108,16 +103,35 @@ std::optional<VehicleIndex> GroundTruthComparator::twin_of(const std::string& na
   return vehicle;
 }
 
+bool GroundTruthComparator::reports(const std::string& name) const {
+  const auto vehicle = registry_.find(name);
+  return vehicle && !registry_[*vehicle].retired() && registry_[*vehicle].twin_link.present();
+}
+
 void GroundTruthComparator::compare(const wire::GvsDetections::Detection& detection, Sighted& detected) {
-  detected.gap_m.reset();
-  detected.gap_rad.reset();
+  const auto gap = measure(detection, "camera");
+  detected.gap_m = gap ? std::optional{gap->m} : std::nullopt;
+  detected.gap_rad = gap ? std::optional{gap->rad} : std::nullopt;
+}
+
+std::optional<GroundTruthComparator::Gap> GroundTruthComparator::measure(
+    const wire::GvsDetections::Detection& detection, std::string_view reference) {
   const auto vehicle = twin_of(detection.vehicle);
-  if (!vehicle) return;
-  const auto X_MT = twin_at(*vehicle, detection.at);
-  if (!X_MT) return;
-  detected.gap_m = distance(*X_MT, detection.pose);
-  detected.gap_rad = std::fabs(wrap_angle(X_MT->heading_rad - detection.pose.heading_rad));
-  simulator_.monitor().actual(registry_[*vehicle].twin_link.entity(), *detected.gap_m, *detected.gap_rad);
+  const auto X_MT = vehicle ? twin_at(*vehicle, detection.at) : std::nullopt;
+  if (!X_MT) return std::nullopt;
+  const Gap gap{distance(*X_MT, detection.pose), std::fabs(wrap_angle(X_MT->heading_rad - detection.pose.heading_rad))};
+  simulator_.monitor().actual(registry_[*vehicle].twin_link.entity(), gap.m, gap.rad, reference);
+  return gap;
+}
+
+Result<std::string> GroundTruthComparator::take_reference(const wire::Input& input) {
+  if (input.flag || input.payload.empty()) return std::string{};  // retained: out of date
+  const auto poses = wire::gvs_detections_from_json(input.payload);
+  if (!poses) return tl::unexpected(poses.error());
+  referenced_ = true;
+  if (state() == "watching") return std::string{};
+  for (const wire::GvsDetections::Detection& pose : poses->detections) (void)measure(pose, "instrument");
+  return std::string{};
 }
 
 std::optional<Pose2> GroundTruthComparator::twin_at(VehicleIndex vehicle, SimTime at) const {
@@ -183,6 +197,19 @@ void GroundTruthComparator::find_unseen(std::vector<Finding>& findings) {
   }
 }
 
+std::optional<SimTime> GroundTruthComparator::undetected_since(VehicleIndex vehicle) const {
+  if (vehicle >= trails_.size() || state() != "watching") return std::nullopt;
+  const Trail& trail = trails_[vehicle];
+  if (!trail.in_field_since || trail.points.empty() || !simulator_.zone()) return std::nullopt;
+  const Point2 expected = position(trail.points.back().X_MB);
+  SimTime since = std::max(*trail.in_field_since, watching_since_);
+  for (const auto& [name, detected] : detected_) {
+    const bool is_there = distance(position(detected.X_MB), expected) < simulator_.zone()->vehicle.length_m;
+    if (is_there || name == registry_[vehicle].name()) since = std::max(since, detected.arrived);
+  }
+  return since;
+}
+
 std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
   std::vector<Finding> findings;
   const std::string_view now_it = state();
@@ -199,23 +226,29 @@ std::vector<Finding> GroundTruthComparator::find(bool unknown_senders) {
     return findings;
   }
   for (const auto& [name, detected] : detected_) {
-    if (!unknown_senders || twin_of(name) || now_ - detected.since <= timeout || now_ - detected.arrived > timeout)
-      continue;
+    if (detected.gap_m && simulator_.zone() && *detected.gap_m > simulator_.zone()->vehicle.length_m &&
+        now_ - detected.arrived <= timeout)
+      findings.push_back({Finding::Kind::displaced, name,
+                          "the camera sees it at " + position_text(detected.X_MB) + ", " + decimetres(*detected.gap_m) +
+                              " m from its twin",
+                          since(Finding::Kind::displaced, name)});
+    const bool is_present = now_ - detected.since > twin_expected_within && now_ - detected.arrived <= timeout;
+    if (!unknown_senders || twin_of(name) || !is_present) continue;
     findings.push_back({Finding::Kind::no_twin, name,
                         "the camera sees it (tag " + std::to_string(detected.tag) + ") at " +
                             position_text(detected.X_MB) + ", and it has no twin",
-                        since(Finding::Kind::no_twin, name)});
+                        since(Finding::Kind::no_twin, name), !reports(name)});
   }
   find_unseen(findings);
   return findings;
 }
 
 void GroundTruthComparator::tick(SimTime now, bool unknown_senders) {
-  if (!received()) return;
   now_ = now;
-  record_twins();
+  if (received() || referenced_) record_twins();
+  if (!received()) return;
   std::erase_if(detected_, [&](const auto& one) { return now_ - one.second.arrived > timeout + timeout; });
-  simulator_.monitor().set_findings(find(unknown_senders));
+  simulator_.monitor().set_findings(Observer::camera, find(unknown_senders));
 }
 
 void GroundTruthComparator::write(JsonWriter& json) const {
@@ -258,7 +291,8 @@ void GroundTruthComparator::fold(Digest& digest) const {
 }
 
 void GroundTruthComparator::archive(Archive& archive) {
-  archive(now_, connection_, connection_at_, detections_, detections_at_, watching_since_, detected_, trails_);
+  archive(now_, connection_, connection_at_, detections_, detections_at_, watching_since_, referenced_, detected_,
+          trails_);
 }
 
 }  // namespace cosiva::virtual_side

@@ -17,9 +17,9 @@ constexpr double limit_mps_max = 5.0;
 constexpr std::size_t vehicles_named_max = 256;
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::array kinds{OperatorCommandKind::stop,  OperatorCommandKind::slow,  OperatorCommandKind::medium,
-                           OperatorCommandKind::fast,  OperatorCommandKind::limit, OperatorCommandKind::restart,
-                           OperatorCommandKind::cancel};
+constexpr std::array kinds{OperatorCommandKind::stop,   OperatorCommandKind::slow,    OperatorCommandKind::medium,
+                           OperatorCommandKind::fast,   OperatorCommandKind::limit,   OperatorCommandKind::restart,
+                           OperatorCommandKind::cancel, OperatorCommandKind::exclude, OperatorCommandKind::include};
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
@@ -58,7 +58,8 @@ Result<VehicleCommand> vehicle_command(const Result<JsonValue>& value) {
   command.action_id = cut(value->text("actionId").value_or(""));
   const auto requested = value->text("command");
   if (!requested)
-    return fail("command.missing", "state which command: stop, slow, medium, fast, limit, restart or cancel",
+    return fail("command.missing",
+                "state which command: stop, slow, medium, fast, limit, restart, cancel, exclude, include or retire",
                 "command");
   command.command_text = cut(*requested);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
@@ -219,6 +220,7 @@ Decoded decode(std::string_view text, std::optional<CommandIdentity>& identity) 
   if (name == "redo") return edit_command(*json, EditCommand::Kind::redo);
   if (name == "saved") return edit_command(*json, EditCommand::Kind::saved);
   if (name == "go" || name == "circulate") return mission_command(*json, name == "go");
+  if (name == "retire") return RetireCommand{json->text("vehicle").value_or("")};
   if (name == "close" || name == "open") return SectionCommand{name == "close", json->text("section").value_or("")};
   if (name == "plant") return plant_command(*json);
   if (name == "radio") return RadioCommand{json->text("vehicle").value_or(""), json->number("loss").value_or(-1.0)};

@@ -11,6 +11,8 @@ std::string_view to_string(OperatorCommandKind kind) {
     case OperatorCommandKind::limit: return "limit";
     case OperatorCommandKind::restart: return "restart";
     case OperatorCommandKind::cancel: return "cancel";
+    case OperatorCommandKind::exclude: return "exclude";
+    case OperatorCommandKind::include: return "include";
   }
   return "?";
 }

@@ -22,7 +22,7 @@ namespace cosiva::virtual_side {
 using OptionalNumber = std::optional<double>;
 
 /// What an operator can command a vehicle to do (A6).
-enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel };
+enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel, exclude, include };
 [[nodiscard]] std::string_view to_string(OperatorCommandKind kind);
 
 /// A command to vehicles, or a text that is no command at all: Commands lists even those that it refuses.
@@ -36,6 +36,11 @@ struct VehicleCommand {
   /// Of a Stop that was published already: the id of its action. Empty: the server gives one.
   std::string action_id{};
   [[nodiscard]] bool all() const { return several && vehicle_names.front() == "*"; }
+};
+
+/// "retire": a vehicle that is absent has left the zone, and its twin leaves, too.
+struct RetireCommand {
+  std::string vehicle;
 };
 
 /// "go" and "circulate".
@@ -119,6 +124,6 @@ struct BatteryReadyCommand {
 
 using OperatorCommand =
     std::variant<VehicleCommand, MissionCommand, SectionCommand, AddCommand, MoveCommand, RemoveCommand, EditCommand,
-                 SwitchCommand, PlantCommand, RadioCommand, BatteryReadyCommand>;
+                 SwitchCommand, PlantCommand, RadioCommand, BatteryReadyCommand, RetireCommand>;
 
 }  // namespace cosiva::virtual_side

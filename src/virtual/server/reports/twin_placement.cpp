@@ -1,10 +1,24 @@
-#include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
 
 #include <algorithm>
 
 #include "cosiva/base/expect.h"
 
 namespace cosiva::virtual_side {
+namespace {
+
+double speed_mps(const MotionReport& report) { return norm(report.vx_mps.value_or(0.0), report.vy_mps); }
+
+/// How much further a report is from the one before than the vehicle can have driven meanwhile; 0 after a gap, in which
+/// it may have driven otherwise.
+double shift_m(const MotionReport& before, const MotionReport& after) {
+  const SimDuration dt = after.at - before.at;
+  if (dt < SimDuration::zero() || dt > TwinLink::shift_kept) return 0.0;
+  const double driven_m = std::max(speed_mps(before), speed_mps(after)) * to_seconds(dt);
+  return std::max(0.0, distance(before.X_MB, after.X_MB) - driven_m);
+}
+
+}  // namespace
 
 void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
                         const std::optional<wire::Velocity>& velocity) {
@@ -15,7 +29,7 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
     record_event(proxy, PhysicalEvent::arrival, at);
     apply_base_end(vehicle);
   }
-  COSIVA_EXPECT(*proxy.twin() < context_.simulator.twin_count());
+  COSIVA_EXPECT(proxy.twin().has_value());
   MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
   if (velocity) {
     report.vx_mps = velocity->vx_mps;
@@ -28,6 +42,7 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   const Twin& twin = context_.simulator.twin(*proxy.twin());
   const std::optional<zone::TrackPosition> before =
       twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
+  if (twin.on_circuit()) proxy.twin_link.on_shift(context_.now, shift_m(twin.last_report(), report));
   context_.simulator.report(*proxy.twin(), context_.now, report);
   if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
   if (map_)

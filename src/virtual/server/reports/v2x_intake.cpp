@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/v2x_intake.h"
+#include "cosiva/virtual/server/reports/v2x_intake.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -5,7 +5,7 @@
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/instrument_parts.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/report_checks.h"
+#include "cosiva/virtual/server/reports/report_checks.h"
 
 namespace cosiva::virtual_side {
 

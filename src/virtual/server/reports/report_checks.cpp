@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/report_checks.h"
+#include "cosiva/virtual/server/reports/report_checks.h"
 
 #include <utility>
 
@@ -48,6 +48,7 @@ bool ReportChecks::take_header(VehicleIndex vehicle, VehicleTopic topic, const w
              "uses version '" + header.version.substr(0, 32) + "'; this server reads 2.x; ignored");
     return false;
   }
+  proxy.received.senders().on_message(topic, header, context_.now);
   const ReceivedHeaders::Gap gap = proxy.received.on_header(topic, header);
   proxy.counters.on_missed(gap.missing);
   if (gap.late) proxy.counters.on_late();

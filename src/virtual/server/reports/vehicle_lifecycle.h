@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
@@ -29,6 +30,11 @@ class VehicleLifecycle {
   /// Removes the vehicle from the table and the traffic; a vehicle of the same name may return.
   /// @param reason  of the failure of its open commands
   void retire(VehicleIndex vehicle, const std::string& reason);
+
+  /// The inverse of an arrival (figure 9): an absent vehicle has left the zone, so its twin leaves, too. Its next
+  /// report begins its life again.
+  /// @param by  who found that: "operator", "GVS"
+  void depart(VehicleIndex vehicle, std::string_view by, std::string_view reason);
 
   /// Removes the entries that never proved to be a vehicle and have sent nothing for
   /// ServerOptions::entries_expire_after. A twin stays for as long as the server runs.

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/vehicle_reports.h"
+#include "cosiva/virtual/server/reports/vehicle_reports.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

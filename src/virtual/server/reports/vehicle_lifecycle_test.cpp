@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

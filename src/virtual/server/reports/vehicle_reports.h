@@ -7,10 +7,10 @@
 #include "cosiva/virtual/server/context/instrument_parts.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/core/own_reports.h"
-#include "cosiva/virtual/server/core/report_checks.h"
-#include "cosiva/virtual/server/core/twin_placement.h"
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/own_reports.h"
+#include "cosiva/virtual/server/reports/report_checks.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 
 namespace cosiva::virtual_side {
 
@@ -25,6 +25,7 @@ class VehicleReports {
       : context_{context},
         master_{master},
         augmented_{augmented},
+        instruments_{instruments},
         vehicles_{vehicles},
         twins_{twins},
         checks_{context},
@@ -56,6 +57,7 @@ class VehicleReports {
   ServerContext& context_;
   MasterControl& master_;
   AugmentedParts& augmented_;
+  InstrumentParts& instruments_;
   VehicleLifecycle& vehicles_;
   TwinPlacement& twins_;
   ReportChecks checks_;

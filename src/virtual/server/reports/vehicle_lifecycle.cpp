@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/vehicle_lifecycle.h"
+#include "cosiva/virtual/server/reports/vehicle_lifecycle.h"
 
 #include <utility>
 
@@ -95,6 +95,16 @@ void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
   augmented_.virtual_obstacles.new_session(vehicle);
   context_.state_stale = true;
   COSIVA_EXPECT(!master_.orders.has_order(vehicle));
+}
+
+void VehicleLifecycle::depart(VehicleIndex vehicle, std::string_view by, std::string_view reason) {
+  AivProxy& proxy = context_.registry[vehicle];
+  COSIVA_EXPECT(proxy.here() && !proxy.augmented());
+  context_.traces.add(context_.now, by, "AIV_Server", "retire", proxy.name() + ": " + std::string(reason));
+  context_.simulator.disappear(*proxy.twin(), step_recorder(context_));
+  retire(vehicle, proxy.name() + " has left the zone");
+  proxy.membership.on_departed();
+  context_.publisher.log('i', proxy.name() + ": has left the zone; " + std::string(reason));
 }
 
 void VehicleLifecycle::remove_expired() {

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/report_checks.h"
+#include "cosiva/virtual/server/reports/report_checks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

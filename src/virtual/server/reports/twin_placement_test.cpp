@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/twin_placement.h"
+#include "cosiva/virtual/server/reports/twin_placement.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

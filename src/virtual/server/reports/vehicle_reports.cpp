@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/vehicle_reports.h"
+#include "cosiva/virtual/server/reports/vehicle_reports.h"
 
 #include <cmath>
 #include <utility>
@@ -57,6 +57,8 @@ void VehicleReports::receive(Registry::Address address, const wire::Input& input
   proxy.counters.on_message();
   proxy.membership.on_message(context_.now);
   if (floods(proxy)) return;
+  const bool reports = address.topic == VehicleTopic::state || address.topic == VehicleTopic::visualization;
+  if (proxy.membership.departed() && reports && !input.flag) vehicles_.begin_life(proxy.id());
   if (proxy.retired()) return on_retired(proxy, address.topic, input);
   const bool moving = address.topic != VehicleTopic::connection && address.topic != VehicleTopic::factsheet;
   if (input.flag && moving) {
@@ -203,10 +205,13 @@ void VehicleReports::on_position(VehicleIndex vehicle, SimTime stamp, const wire
 
 void VehicleReports::record_events(VehicleIndex vehicle, const ReportedState::Change& change, SimTime reported_at) {
   COSIVA_EXPECT(change.before);
-  const AivProxy& proxy = context_.registry[vehicle];
+  AivProxy& proxy = context_.registry[vehicle];
   const wire::State& before = *change.before;
   const wire::State& state = *proxy.state();
-  if (change.new_tag) twins_.record_event(proxy, PhysicalEvent::tag, reported_at);
+  if (change.new_tag) {
+    twins_.record_event(proxy, PhysicalEvent::tag, reported_at);
+    if (!proxy.augmented()) instruments_.reports.on_tag(context_.now, proxy);
+  }
   if (state.field_violation && !before.field_violation)
     twins_.record_event(proxy, PhysicalEvent::obstacle, reported_at);
   if (!state.driving && before.driving) twins_.record_event(proxy, PhysicalEvent::stop, reported_at);

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/core/own_reports.h"
+#include "cosiva/virtual/server/reports/own_reports.h"
 
 #include <algorithm>
 #include <cmath>
