@@ -406,10 +406,13 @@ void PlantCore::Impl::archive_zone(Archive& archive) {
 void PlantCore::Impl::archive_floor(Archive& archive, Vehicle& vehicle) {
   bool on_newest = vehicle.floor() == floor;
   archive(on_newest);
+  if (on_newest) {
+    if (archive.reads() && vehicle.floor() != floor) vehicle.set_zone(floor);
+    return;
+  }
   zone::ZoneConfiguration before = without_origin(vehicle.floor()->configuration);
-  if (!on_newest) archive(before);
-  if (archive.reads() && !(on_newest && vehicle.floor() == floor))
-    vehicle.set_zone(on_newest ? floor : floor_of(before));
+  archive(before);
+  if (archive.reads()) vehicle.set_zone(floor_of(before));
 }
 
 std::shared_ptr<Floor> PlantCore::Impl::floor_of(const zone::ZoneConfiguration& configuration) const {
