@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <tuple>
 
 #include "cosiva/app/cli/console.h"
 #include "cosiva/base/json_value.h"
@@ -46,11 +47,14 @@ Result<std::vector<ListedVehicle>> vehicles_in(std::string_view snapshot_json) {
     return fail("vehicle.snapshot", "the response contains no list of vehicles; is --url a platform's address?");
   std::vector<ListedVehicle> vehicles;
   for (const JsonValue& aiv : *aivs->array()) {
-    vehicles.push_back({aiv.text("id").value_or(""), aiv.text("connection").value_or(""),
-                        aiv.text("status").value_or(""), aiv.text("section").value_or(""),
-                        aiv.flag("augmented").value_or(false), aiv.flag("excluded").value_or(false),
-                        aiv.text("absent").value_or("")});
+    vehicles.push_back({aiv.text("id").value_or(""), aiv.number("number").value_or(0),
+                        aiv.text("connection").value_or(""), aiv.text("status").value_or(""),
+                        aiv.text("section").value_or(""), aiv.flag("augmented").value_or(false),
+                        aiv.flag("excluded").value_or(false), aiv.text("absent").value_or("")});
   }
+  std::ranges::stable_sort(vehicles, {}, [](const ListedVehicle& vehicle) {
+    return std::tie(vehicle.is_virtual, vehicle.number, vehicle.id);
+  });
   return vehicles;
 }
 

@@ -10,7 +10,8 @@ namespace cosiva::app {
 
 /// A vehicle of a running platform, from its snapshot.
 struct ListedVehicle {
-  std::string id;  ///< "CoSiVA/AIV1"
+  std::string id;    ///< "CoSiVA/AIV1"
+  double number{0};  ///< what the platform displays it as
   std::string connection;
   std::string status;
   std::string section;  ///< empty: on none
@@ -19,7 +20,8 @@ struct ListedVehicle {
   std::string absent;  ///< why it is not on the physical side; empty: it is
 };
 
-/// Reads the snapshot's JSON. Fails ("vehicle.snapshot") on anything else.
+/// Reads the snapshot's JSON, which has the vehicles in the order of their arrival. Returns them in the order of the
+/// page: physical vehicles before virtual ones, then by number. Fails ("vehicle.snapshot") on anything else.
 [[nodiscard]] Result<std::vector<ListedVehicle>> vehicles_in(std::string_view snapshot_json);
 /// The id of the vehicle with this id or, where it is unique, this serial number. A name with a slash that no vehicle
 /// has is returned as it is: the platform knows excluded vehicles that are away. Fails ("vehicle.unknown",

@@ -13,10 +13,10 @@ namespace {
 using testing::HasSubstr;
 
 constexpr const char* snapshot =
-    R"j({"aivs":[{"id":"CoSiVA/AIV1","connection":"ONLINE","status":"normal","section":"loop_sw","augmented":false,)j"
-    R"j("excluded":true,"absent":null},{"id":"ACME/7","connection":"CONNECTIONBROKEN","status":"stopped",)j"
+    R"j({"aivs":[{"id":"CoSiVA/AIV1","number":1,"connection":"ONLINE","status":"normal","section":"loop_sw","augmented":false,)j"
+    R"j("excluded":true,"absent":null},{"id":"ACME/7","number":7,"connection":"CONNECTIONBROKEN","status":"stopped",)j"
     R"j("section":null,"augmented":false,"excluded":false,"absent":"its connection has ended (CONNECTIONBROKEN)"},)j"
-    R"j({"id":"CoSiVA.virtual/7","connection":"ONLINE","status":"normal","section":"loop_sw","augmented":true}]})j";
+    R"j({"id":"CoSiVA.virtual/7","number":8,"connection":"ONLINE","status":"normal","section":"loop_sw","augmented":true}]})j";
 
 TEST(ListedVehicles, are_read_from_a_snapshot) {
   const auto vehicles = vehicles_in(snapshot);
@@ -26,6 +26,16 @@ TEST(ListedVehicles, are_read_from_a_snapshot) {
   EXPECT_EQ((*vehicles)[1].section, "");
   EXPECT_EQ((*vehicles)[1].absent, "its connection has ended (CONNECTIONBROKEN)");
   EXPECT_TRUE((*vehicles)[2].is_virtual);
+}
+
+TEST(ListedVehicles, have_the_order_of_the_page_whatever_the_order_of_their_arrival) {
+  const auto vehicles = vehicles_in(
+      R"j({"aivs":[{"id":"CoSiVA.virtual/V1","number":1,"augmented":true},{"id":"CoSiVA/AIV10","number":10},)j"
+      R"j({"id":"CoSiVA/AIV9","number":9}]})j");
+  ASSERT_TRUE(vehicles && vehicles->size() == 3);
+  EXPECT_EQ((*vehicles)[0].id, "CoSiVA/AIV9");
+  EXPECT_EQ((*vehicles)[1].id, "CoSiVA/AIV10");
+  EXPECT_EQ((*vehicles)[2].id, "CoSiVA.virtual/V1");
 }
 
 TEST(ListedVehicles, cannot_be_read_from_anything_else) {
