@@ -40,7 +40,7 @@ EXCEPTIONS = {
         "goes_on_": "scratch", "step_distance_m_": "scratch", "step_acceleration_mps2_": "scratch", "step_manoeuvre_": "scratch",
         "lag_dt_s_": "derived", "motor_blend_": "derived", "turn_blend_": "derived", "may_end_here_": "derived",
     },
-    "MessagePublisher": {"as_values_": "constant", "effects_": "scratch"},
+    "MessagePublisher": {"as_values_": "constant", "effects_": "scratch", "opened_at_": "scratch"},
     "Missions": {"map_": "derived", "router_": "derived"},
     "Neighbours": {
         "self_": "constant", "model_": "constant", "speed_mps_max_": "constant", "gap_": "scratch",

@@ -24,7 +24,7 @@ struct MasterControl {
   Missions missions{served.registry, served.publisher};
   MissionRequests mission_requests{served.registry, served.publisher, missions};
   PersistedMissions persisted_missions{served.registry, missions};
-  AwaitedVehicles awaited{served};
+  AwaitedVehicles awaited{served, traffic, missions};
   OrderManager orders{served.registry,
                       traffic,
                       served.publisher,

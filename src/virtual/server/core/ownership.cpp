@@ -88,9 +88,10 @@ void Ownership::on_owner(const wire::VehicleId& id, const wire::Input& input) {
   const bool is_own = context_.areas.owns(id);
   // A retained owner is outdated: the vehicle itself reports its position.
   if (is_own && !was_own) take_over(*vehicle, input.flag);
-  if (!was_own || is_own) return;
+  if (is_own) return;
   // An entry that never proved to be a vehicle may have been removed.
-  if (const auto index = context_.registry.find(name))
+  const auto index = context_.registry.find(name);
+  if (index && (was_own || context_.registry[*index].membership.awaited()))
     let_go(*index, vehicle->owner ? vehicle->owner->area : std::string{});
 }
 

@@ -384,6 +384,21 @@ TEST(ControlAreas, restore_the_mission_to_another_area_after_a_crash) {
       << fixture.mission("a");
 }
 
+TEST(ControlAreas, give_up_a_vehicle_that_they_await_when_it_belongs_to_another_area) {
+  ControlAreasFixture fixture;
+  fixture.in_a();
+  ASSERT_TRUE(
+      fixture.run_until([&] { return fixture.servers["a"].state_file.find(R"("held":)") != std::string::npos; }, 60s));
+  fixture.kill("a");
+  fixture.vehicles.clear();
+  fixture.kept.clear();  // the broker loses all retained messages
+  fixture.start("a", true);
+  fixture.run_for(1s);
+  EXPECT_THAT(fixture.servers["a"].core->stop_targets(), SizeIs(1)) << "it may have a base";
+  fixture.publish_owner("b");
+  EXPECT_THAT(fixture.servers["a"].core->stop_targets(), IsEmpty());
+}
+
 TEST(ControlAreas, wait_where_they_meet_for_a_server_that_has_failed) {
   ControlAreasFixture fixture;
   fixture.in_a();

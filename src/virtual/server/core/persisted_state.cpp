@@ -11,6 +11,8 @@ namespace cosiva::virtual_side {
 namespace {
 
 constexpr SimDuration persist_period{std::chrono::seconds{1}};
+/// The state of a large fleet is persisted less often for the crossings that vehicles hold: at most 1 MB/s.
+constexpr SimDuration time_for_byte{std::chrono::microseconds{1}};
 constexpr double position_m_max = 1e5;
 
 /// Nanoseconds do not fit a JSON number.
@@ -98,12 +100,15 @@ std::string PersistedState::to_json() const {
 
 void PersistedState::persist_if_stale() {
   const bool moves = !augmented_.hosted.empty() && context_.now >= due_at_;
-  if (!context_.state_stale && !moves) return;
+  const bool holds = master_.traffic.holds() != holds_ && context_.now >= holds_due_at_;
+  if (!context_.state_stale && !moves && !holds) return;
   // Until a zone is in force, only the state file contains its edits.
   if (zones_.awaits_zone_to_restore()) return;
   context_.state_stale = false;
   due_at_ = context_.now + persist_period;
+  holds_ = master_.traffic.holds();
   std::string bytes = to_json();
+  holds_due_at_ = context_.now + time_for_byte * static_cast<std::int64_t>(bytes.size());
   if (bytes == persisted_) return;
   COSIVA_EXPECT(!bytes.empty());
   persisted_ = bytes;
@@ -124,7 +129,11 @@ void PersistedState::restore(std::string_view bytes) {
     context_.publisher.log('w', "some persisted intentions of operators cannot be read; they are skipped");
   if (const JsonValue* ids = state->find("commandIds"); ids != nullptr && !master_.command_ids.restore(*ids))
     context_.publisher.log('w', "some persisted ids of commands cannot be read; they are skipped");
-  if (const JsonValue* names = state->find("vehicles")) master_.awaited.restore(*names);
+  if (const JsonValue* names = state->find("vehicles")) {
+    master_.awaited.restore(*names, state->find("held"));
+    for (const std::string& name : master_.awaited.holders())
+      if (const auto id = wire::parse_own_topic("", name)) vehicles_.register_awaited(*id);
+  }
   if (const JsonValue* traffic_state = state->find("traffic")) master_.persisted_missions.restore(*traffic_state);
   std::optional<zone::ZoneConfiguration> given_zone;
   if (const JsonValue* given = state->find("given")) {
@@ -164,6 +173,6 @@ void PersistedState::restore_world(const JsonValue& state) {
   });
 }
 
-void PersistedState::archive(Archive& archive) { archive(persisted_, due_at_); }
+void PersistedState::archive(Archive& archive) { archive(persisted_, due_at_, holds_, holds_due_at_); }
 
 }  // namespace cosiva::virtual_side

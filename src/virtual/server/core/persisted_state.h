@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -16,7 +17,7 @@
 namespace cosiva::virtual_side {
 
 /// The content of the server's state file, which survives a crash of the process: the virtual world, the zone's edits,
-/// the missions, which vehicles there were.
+/// the missions, which vehicles there were and which crossings they hold.
 /// Invariant: a state is persisted only when it differs from the last one, and never before the zone data of the file
 /// have been restored.
 class PersistedState {
@@ -42,7 +43,9 @@ class PersistedState {
   ZoneSession& zones_;
   const VirtualWorld& world_;
   std::string persisted_;
-  SimTime due_at_{};  ///< the positions of virtual AIVs are persisted again
+  SimTime due_at_{};        ///< the positions of virtual AIVs are persisted again
+  std::uint64_t holds_{0};  ///< of the traffic, when the state was persisted
+  SimTime holds_due_at_{};  ///< not persisted before, if only the crossings that vehicles hold have changed
 };
 
 }  // namespace cosiva::virtual_side

@@ -74,7 +74,10 @@ void MessagePublisher::publish(std::string topic, std::string payload, int qos, 
 
 void MessagePublisher::log(char level, std::string text) { add_effect(wire::Log{level, std::move(text)}); }
 
-void MessagePublisher::persist(std::string bytes) { add_effect(wire::Persist{std::move(bytes)}); }
+void MessagePublisher::persist(std::string bytes) {
+  COSIVA_EXPECT(effects_ != nullptr && opened_at_ <= effects_->size());
+  effects_->insert(effects_->begin() + static_cast<std::ptrdiff_t>(opened_at_), wire::Persist{std::move(bytes)});
+}
 
 void MessagePublisher::add_effect(wire::Effect effect) {
   COSIVA_EXPECT(effects_ != nullptr);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -30,6 +31,7 @@ class MessagePublisher {
   void open(SimTime now, wire::Effects& effects) {
     now_ = now;
     effects_ = &effects;
+    opened_at_ = effects.size();
   }
 
   /// An order as it was sent, for repetition; null: none.
@@ -46,6 +48,7 @@ class MessagePublisher {
   void explain(const AivProxy& proxy, std::string_view kind, std::string_view content) {
     traces_.add(now_, "AIV_Server", proxy.name(), kind, content);
   }
+  /// Persists what the messages of this input follow from: before they are sent.
   void persist(std::string bytes);
 
   [[nodiscard]] SimTime now() const { return now_; }
@@ -61,6 +64,7 @@ class MessagePublisher {
   Traces& traces_;
   bool as_values_;
   wire::Effects* effects_{};
+  std::size_t opened_at_{0};
   SimTime now_{};
 };
 

@@ -186,13 +186,16 @@ TEST_F(Published, actions_to_a_vehicle_that_was_removed_are_forgotten) {
   EXPECT_NE(sender.find(second), nullptr);
 }
 
-TEST_F(Published, log_message_and_state_file_are_effects) {
+TEST_F(Published, log_message_and_state_file_are_effects_of_which_the_state_file_comes_first) {
+  effects.clear();
+  effects.emplace_back(wire::Log{'i', "of an earlier input"});
+  publisher.open(virtual_epoch, effects);
   publisher.log('w', "attention");
   publisher.publish("a/topic", "text", 1, true);
   publisher.persist("bytes");
-  EXPECT_THAT(effects, ElementsAre(wire::Effect{wire::Log{'w', "attention"}},
-                                   wire::Effect{wire::Publish{"a/topic", "text", 1, true}},
-                                   wire::Effect{wire::Persist{"bytes"}}));
+  EXPECT_THAT(effects, ElementsAre(wire::Effect{wire::Log{'i', "of an earlier input"}},
+                                   wire::Effect{wire::Persist{"bytes"}}, wire::Effect{wire::Log{'w', "attention"}},
+                                   wire::Effect{wire::Publish{"a/topic", "text", 1, true}}));
 }
 
 TEST_F(Published, messages_state_the_version_that_the_vehicle_uses) {

@@ -89,12 +89,21 @@ bool CoursePlanner::is_past_goal(VehicleIndex vehicle) const {
   return !comes_to_it && track_position->section == end.section && track_position->s_m > end.s_m;
 }
 
+bool CoursePlanner::cannot_reach_handover(VehicleIndex vehicle) const {
+  // Where the path ends behind the position of the handover, a vehicle that has passed that position cannot return. The
+  // other control area takes the vehicle over from where it is stopped.
+  const auto& no_route = vehicles_[vehicle].no_route;
+  return no_route && no_route == positions_.reported(vehicle).position->section &&
+         !context_.missions.mission(vehicle).beyond.empty();
+}
+
 bool CoursePlanner::stays_at_goal(VehicleIndex vehicle) {
   const bool past = is_past_goal(vehicle);
   const Point2 here = position(positions_.reported(vehicle).X_MB);
   // A vehicle that stops short can drive nearer. A vehicle that has passed the goal would have to drive another lap,
   // because of a deviation that its order allowed.
-  const double off_m = past ? context_.rules.deviation_m : context_.rules.arrived_m;
+  double off_m = past ? context_.rules.deviation_m : context_.rules.arrived_m;
+  if (cannot_reach_handover(vehicle)) off_m = context_.map->zone().vehicle.length_m;
   const auto& state = context_.registry[vehicle].state();
   if (state && state->driving)
     return past || context_.missions.is_at(vehicle, here, off_m);  // its final position is not known yet
@@ -108,7 +117,7 @@ bool CoursePlanner::is_outdated(VehicleIndex vehicle) const {
 bool CoursePlanner::plan_beyond_base(VehicleIndex vehicle) {
   auto& [route_of, no_route] = vehicles_[vehicle];
   OrderSession& session = sessions_[vehicle];
-  const Traffic::Beyond beyond = context_.traffic.beyond_base(vehicle, *positions_.reported(vehicle).position);
+  const BeyondBase beyond = beyond_base(context_.traffic, vehicle, *positions_.reported(vehicle).position);
   const zone::TrackPosition end = context_.map->waypoint(session.base_end()).position;
   const Sections released = context_.traffic.remaining(vehicle).first(beyond.keep);
   const bool ends_at_node = end.s_m == 0.0 && beyond.keep > 0;

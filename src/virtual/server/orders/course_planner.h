@@ -62,6 +62,8 @@ class CoursePlanner {
   bool cancel_before_closed(VehicleIndex vehicle, Sections released);
   /// The vehicle has passed the end of its mission's route.
   [[nodiscard]] bool is_past_goal(VehicleIndex vehicle) const;
+  /// No route leads the vehicle to the position at which it is to be handed over.
+  [[nodiscard]] bool cannot_reach_handover(VehicleIndex vehicle) const;
 
   struct Vehicle {
     std::uint64_t route_of{0};                ///< revision of the missions for which its course was planned; 0: none

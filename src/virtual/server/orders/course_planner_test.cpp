@@ -186,6 +186,19 @@ TEST_F(Arrival, is_within_ten_centimetres_beyond_the_goal) {
   EXPECT_EQ(orders.missions.state(vehicle), Missions::State::arrived);
 }
 
+TEST_F(Arrival, of_a_vehicle_to_be_handed_over_is_within_its_length_where_no_route_leads_back) {
+  close({"west"});
+  EXPECT_FALSE(stays(0.15));
+  EXPECT_FALSE(orders.planner.plan(vehicle));
+  EXPECT_FALSE(stays(0.15)) << "it is not to be handed over";
+  orders.missions.give(vehicle, Mission{Mission::Kind::go, "gate", "b/rack"});
+  orders.report_at(vehicle, orders.at("north", goal_m + 0.15));
+  EXPECT_FALSE(orders.planner.plan(vehicle));
+  EXPECT_FALSE(stays(orders.map->zone().vehicle.length_m + 0.01));
+  EXPECT_TRUE(stays(0.15));
+  EXPECT_EQ(orders.missions.state(vehicle), Missions::State::arrived);
+}
+
 TEST_F(Arrival, is_not_recorded_while_the_vehicle_still_moves) {
   EXPECT_FALSE(stays(-0.061, 0.1));
   EXPECT_TRUE(stays(-0.059, 0.1));
@@ -234,7 +247,7 @@ TEST_F(PlansBeyondBase, end_with_the_base_where_there_is_no_route) {
   EXPECT_EQ(orders.planner.next_stretch(vehicle, orders.sessions[vehicle].base_end(), 0), nullptr);
   close({});
   EXPECT_TRUE(orders.planner.plan_beyond_base(vehicle));
-  orders.planner.begin_route(orders.traffic.beyond_base(vehicle, orders.at("west", 0.3)).sections);
+  orders.planner.begin_route(beyond_base(orders.traffic, vehicle, orders.at("west", 0.3)).sections);
   EXPECT_NE(orders.planner.next_stretch(vehicle, orders.sessions[vehicle].base_end(), 0), nullptr);
 }
 

@@ -27,7 +27,7 @@ void LineJoin::find_neighbours() {
   neighbours_.clear();
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v)
     if (context_.registry[v].here() &&
-        (!positions_.reported(v).position || positions_.is_off_path(v) || context_.traffic.is_in_others_crossing(v)))
+        (!positions_.reported(v).position || positions_.is_off_path(v) || is_in_others_crossing(context_.traffic, v)))
       neighbours_.push_back(v);
 }
 
@@ -108,7 +108,7 @@ bool LineJoin::is_free_entry(VehicleIndex vehicle, zone::TrackPosition position,
   if (obstructs_line_entry(vehicle, position) != no_vehicle) return false;
   context_.traffic.set_position(vehicle, position);
   context_.traffic.update();
-  bool free = !context_.traffic.is_in_others_crossing(vehicle);
+  bool free = !is_in_others_crossing(context_.traffic, vehicle);
   if (free && drives_on) {
     const zone::TrackPosition before = *positions_.reported(vehicle).position;
     positions_.set_position(vehicle, position);

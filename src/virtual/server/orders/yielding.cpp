@@ -68,7 +68,7 @@ bool Yielding::keeps_off(const Wait& wait, zone::TrackPosition track_position) c
       std::vector<CrossingIndex> occupied_crossings;
       context_.map->crossings_on(track_position, 0.0, occupied_crossings, context_.traffic.remaining(wait.blocker));
       return std::ranges::any_of(occupied_crossings,
-                                 [&](CrossingIndex x) { return context_.traffic.requests(wait.waiter, x); });
+                                 [&](CrossingIndex x) { return requests(context_.traffic, wait.waiter, x); });
     }
     case WaitReason::off_path:
     case WaitReason::sensors: break;
@@ -182,7 +182,7 @@ std::vector<zone::SectionId> Yielding::contested(VehicleIndex vehicle) const {
   const zone::TrackPosition here = *positions_.reported(vehicle).position;
   const bool running = sessions_[vehicle].is_running();
   const zone::TrackPosition from = running ? context_.map->waypoint(sessions_[vehicle].base_end()).position : here;
-  const auto route = running ? context_.traffic.beyond_base(vehicle, here).sections
+  const auto route = running ? beyond_base(context_.traffic, vehicle, here).sections
                              : std::vector<zone::SectionId>(context_.traffic.remaining(vehicle).begin(),
                                                             context_.traffic.remaining(vehicle).end());
   // The first section of its route that it need not enter and that contains what it waits for.

@@ -12,12 +12,18 @@ void Membership::on_message(SimTime now) {
 
 void Membership::on_retired() {
   retired_ = true;
+  awaited_ = false;
   handed_over_.reset();
 }
 
 void Membership::on_departed() {
   on_retired();
   departed_ = true;
+}
+
+void Membership::on_awaited() {
+  COSIVA_EXPECT(!retired_);
+  awaited_ = true;
 }
 
 void Membership::on_handed_over(SimTime now) {
@@ -27,7 +33,7 @@ void Membership::on_handed_over(SimTime now) {
 }
 
 void Membership::archive(Archive& archive) {
-  archive(first_received_, last_received_, retired_, departed_, handed_over_);
+  archive(first_received_, last_received_, retired_, departed_, awaited_, handed_over_);
 }
 
 }  // namespace cosiva::virtual_side

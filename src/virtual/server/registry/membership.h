@@ -9,8 +9,8 @@ namespace cosiva::virtual_side {
 
 /// Whether a vehicle takes part in the table and the traffic of this server.
 ///
-/// Invariant: a retired vehicle is not handed over, a departed one is retired, and the first publication of a handover
-/// is not after the last one. The last message is not before the first one.
+/// Invariant: a retired vehicle is neither handed over nor awaited, a departed one is retired, and the first
+/// publication of a handover is not after the last one. The last message is not before the first one.
 class Membership {
  public:
   /// The server has published that the vehicle belongs to another control area: nothing more is sent to the vehicle.
@@ -32,6 +32,10 @@ class Membership {
   void on_departed();
   /// The server drives the vehicle from now on.
   void on_accepted() { retired_ = departed_ = false; }
+  /// A server before a restart controlled the vehicle, and its report is awaited. The vehicle is not retired (checked).
+  void on_awaited();
+  /// The vehicle is awaited no longer.
+  void on_awaited_end() { awaited_ = false; }
   /// The new owner has been published, for the first time or again.
   /// @param now  not before the last publication (checked); the vehicle is not retired (checked)
   void on_handed_over(SimTime now);
@@ -42,6 +46,7 @@ class Membership {
   [[nodiscard]] SimTime last_received() const { return last_received_; }
   [[nodiscard]] bool retired() const { return retired_; }
   [[nodiscard]] bool departed() const { return departed_; }
+  [[nodiscard]] bool awaited() const { return awaited_; }
   [[nodiscard]] const std::optional<HandedOver>& handed_over() const { return handed_over_; }
   /// A vehicle that is being handed over is not shown, so that no two control areas show the vehicle at once.
   [[nodiscard]] bool hidden_by_handover(SimTime now) const {
@@ -54,6 +59,7 @@ class Membership {
   SimTime last_received_;
   bool retired_{false};
   bool departed_{false};
+  bool awaited_{false};
   std::optional<HandedOver> handed_over_;
 };
 

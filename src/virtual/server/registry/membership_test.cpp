@@ -23,6 +23,19 @@ TEST(Membership, has_the_time_of_the_last_message) {
   EXPECT_DEATH(membership.on_message(virtual_epoch + 4s), "last_received_");
 }
 
+TEST(Membership, is_awaited_until_it_ends) {
+  Membership membership{virtual_epoch};
+  EXPECT_FALSE(membership.awaited());
+  membership.on_awaited();
+  EXPECT_TRUE(membership.awaited());
+  membership.on_awaited_end();
+  EXPECT_FALSE(membership.awaited());
+  membership.on_awaited();
+  membership.on_retired();
+  EXPECT_FALSE(membership.awaited());
+  EXPECT_DEATH(membership.on_awaited(), "!retired_");
+}
+
 TEST(Membership, ends_by_retirement_until_the_vehicle_is_accepted_again) {
   Membership membership{virtual_epoch};
   membership.on_retired();

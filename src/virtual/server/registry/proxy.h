@@ -74,8 +74,11 @@ struct AivProxy {
   [[nodiscard]] bool is_cosiva() const {
     return augmented() || on_board.boards() || id().manufacturer == wire::our_manufacturer;
   }
-  /// Never proved to be a vehicle: it has no twin, and no report made it present. Its entry can be removed.
-  [[nodiscard]] bool unconfirmed() const { return !augmented() && !twin() && !twin_link.present(); }
+  /// Never proved to be a vehicle: it has no twin, no report made it present, and it was none before a restart. Its
+  /// entry can be removed.
+  [[nodiscard]] bool unconfirmed() const {
+    return !augmented() && !twin() && !twin_link.present() && !membership.awaited();
+  }
   /// Has a twin that is shown and that other vehicles take into account.
   [[nodiscard]] bool here() const { return twin().has_value() && !retired(); }
   /// Is in the table and on the map.

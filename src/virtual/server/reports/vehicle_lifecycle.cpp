@@ -44,6 +44,12 @@ std::optional<VehicleIndex> VehicleLifecycle::register_vehicle(const wire::Vehic
   return index;
 }
 
+void VehicleLifecycle::register_awaited(const wire::VehicleId& id) {
+  auto vehicle = context_.registry.find(wire::to_string(id));
+  if (!vehicle) vehicle = register_vehicle(id);
+  if (vehicle) context_.registry[*vehicle].membership.on_awaited();
+}
+
 BijectionMonitor::Entity VehicleLifecycle::entity_for(const std::string& name) {
   std::optional<BijectionMonitor::Entity> spare;
   if (!spare_entities_.empty()) {
@@ -55,10 +61,10 @@ BijectionMonitor::Entity VehicleLifecycle::entity_for(const std::string& name) {
 
 std::optional<VehicleIndex> VehicleLifecycle::begin_life(const wire::VehicleId& id) {
   auto vehicle = context_.registry.find(wire::to_string(id));
-  const bool is_known = vehicle.has_value();
+  const bool is_known = vehicle && !context_.registry[*vehicle].membership.awaited();
   if (is_known)
     context_.registry[*vehicle].on_returned(context_.now);
-  else
+  else if (!vehicle)
     vehicle = register_vehicle(id);
   if (!vehicle) return std::nullopt;
   AivProxy& proxy = context_.registry[*vehicle];
@@ -99,9 +105,9 @@ void VehicleLifecycle::retire(VehicleIndex vehicle, const std::string& reason) {
 
 void VehicleLifecycle::depart(VehicleIndex vehicle, std::string_view by, std::string_view reason) {
   AivProxy& proxy = context_.registry[vehicle];
-  COSIVA_EXPECT(proxy.here() && !proxy.augmented());
+  COSIVA_EXPECT((proxy.here() || proxy.membership.awaited()) && !proxy.augmented());
   context_.traces.add(context_.now, by, "AIV_Server", "retire", proxy.name() + ": " + std::string(reason));
-  context_.simulator.disappear(*proxy.twin(), step_recorder(context_));
+  if (proxy.twin()) context_.simulator.disappear(*proxy.twin(), step_recorder(context_));
   retire(vehicle, proxy.name() + " has left the zone");
   proxy.membership.on_departed();
   context_.publisher.log('i', proxy.name() + ": has left the zone; " + std::string(reason));

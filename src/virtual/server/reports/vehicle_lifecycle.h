@@ -24,6 +24,8 @@ class VehicleLifecycle {
   /// Registers a vehicle whose first message was received. Where the registry is full, an entry that never sent a state
   /// makes room. Nothing: the server accepts no more vehicles.
   std::optional<VehicleIndex> register_vehicle(const wire::VehicleId& id);
+  /// Registers a vehicle of which nothing has been received, but which a server before a restart controlled.
+  void register_awaited(const wire::VehicleId& id);
   /// Registers a vehicle, or renews one that was retired: from now on the server drives the vehicle. Nothing: the
   /// server accepts no more vehicles.
   std::optional<VehicleIndex> begin_life(const wire::VehicleId& id);

@@ -48,7 +48,10 @@ void Traffic::resize(std::size_t vehicles) {
 void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPosition> position) {
   if (vehicles_[vehicle].position == position) return;
   vehicles_[vehicle].position = position;
-  if (position) follow(vehicle, *position);
+  if (position) {
+    vehicles_[vehicle].reserved.clear();
+    follow(vehicle, *position);
+  }
   positions_dirty_ = true;
 }
 
@@ -100,6 +103,19 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
   holds_dirty_ = true;
 }
 
+void Traffic::reserve(VehicleIndex vehicle, std::vector<CrossingIndex> crossings) {
+  Vehicle& self = vehicles_[vehicle];
+  if (self.position || self.reserved == crossings) return;
+  self.reserved = std::move(crossings);
+  for (const CrossingIndex x : self.reserved) hold(x, vehicle);
+  holds_dirty_ = true;
+}
+
+void Traffic::hold(CrossingIndex crossing, VehicleIndex vehicle) {
+  holds_ += holders_[crossing] == vehicle ? 0U : 1U;
+  holders_[crossing] = vehicle;
+}
+
 void Traffic::measure_base(VehicleIndex vehicle) {
   Vehicle& self = vehicles_[vehicle];
   base_left_[vehicle].reset();
@@ -122,14 +138,9 @@ std::optional<double> Traffic::base_left_m(VehicleIndex vehicle, zone::TrackPosi
   return known->left_m;
 }
 
-Traffic::Beyond Traffic::beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const {
-  Beyond beyond{sections_of_base(*this, vehicle, position), {}};
-  list_beyond_base(*this, vehicle, position, beyond.sections);
-  return beyond;
-}
-
 void Traffic::forget(VehicleIndex vehicle) {
   set_position(vehicle, std::nullopt);
+  reserve(vehicle, {});
   set_base_end(vehicle, no_waypoint);
   vehicles_[vehicle].course.clear();
   vehicles_[vehicle].on_course = false;
@@ -199,7 +210,7 @@ void Traffic::update_holds() {
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v) {
     Vehicle& vehicle = vehicles_[v];
     if (!vehicle.position) {
-      vehicle.needs.clear();
+      vehicle.needs = vehicle.reserved;
       continue;
     }
     const double base_m = base_left_m(v, *vehicle.position).value_or(0.0);
@@ -218,7 +229,7 @@ void Traffic::update_holds() {
   }
   for (VehicleIndex v = 0; v < vehicles_.size(); ++v)
     for (const CrossingIndex x : vehicles_[v].needs)
-      if (holders_[x] == no_vehicle) holders_[x] = v;
+      if (holders_[x] == no_vehicle) hold(x, v);
 }
 
 double Traffic::reach_m(VehicleIndex vehicle, double wanted_m) const {
@@ -254,9 +265,10 @@ std::optional<double> Traffic::loses_s(const Request& other, const Request& mine
   for (const CrossingIndex x : other.crossings) {
     const VehicleIndex holder = holders_[x];
     if (holder == no_vehicle || holder == other.vehicle || holder == mine.vehicle) continue;
-    const zone::TrackPosition& at = *vehicles_[holder].position;
-    const double base_m = base_left_m(holder, at).value_or(0.0);
-    begins_s = std::max(begins_s, map_->distance_to_exit_m(at, x, base_m, remaining(holder)) / pace_mps);
+    const auto& at = vehicles_[holder].position;
+    if (!at) return 0.0;  // when that vehicle will have left is not known
+    const double base_m = base_left_m(holder, *at).value_or(0.0);
+    begins_s = std::max(begins_s, map_->distance_to_exit_m(*at, x, base_m, remaining(holder)) / pace_mps);
   }
   if (begins_s == 0.0) return std::nullopt;
   double out_m = 0.0;
@@ -311,7 +323,7 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   for (VehicleIndex j = 0; j < vehicles_.size(); ++j) {
     if (j == vehicle || !intersect(vehicles_[j].needs, mine->crossings)) continue;
     const bool is_stopped_beside =
-        is_in_others_crossing(j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
+        is_in_others_crossing(*this, j) && std::ranges::all_of(vehicles_[j].needs, [&](CrossingIndex x) {
           return holders_[x] == vehicle || std::ranges::find(mine->crossings, x) == mine->crossings.end();
         });
     if (!is_stopped_beside && !only_follows(j, vehicle, mine->crossings))
@@ -331,17 +343,11 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   for (Request& other : queue_)
     if (rules_.convoys && &other != &*mine && goes_before(other, *mine) && intersect(other.crossings, mine->crossings))
       other.lost_s += loses_s(other, *mine).value_or(0.0);
-  for (const CrossingIndex x : mine->crossings) holders_[x] = vehicle;
+  for (const CrossingIndex x : mine->crossings) hold(x, vehicle);
   convoys_.record_pass(mine->vehicle, mine->crossings);
   queue_.erase(mine);
   holds_dirty_ = true;  // a grant that no base follows is revoked by the next update
   return {true, first, no_vehicle, WaitReason::crossing};
-}
-
-bool Traffic::is_in_others_crossing(VehicleIndex vehicle) const {
-  const Vehicle& self = vehicles_[vehicle];
-  if (!self.position || base_left_m(vehicle, *self.position).value_or(0.0) > 0.0) return false;
-  return std::ranges::any_of(self.needs, [&](CrossingIndex x) { return holders_[x] != vehicle; });
 }
 
 bool Traffic::may_join(VehicleIndex vehicle, double exit_m, double stop_m) {
@@ -359,11 +365,6 @@ Traffic::Convoy Traffic::join(VehicleIndex vehicle) {
 
 void Traffic::withdraw(VehicleIndex vehicle) {
   std::erase_if(queue_, [vehicle](const Request& r) { return r.vehicle == vehicle; });
-}
-
-bool Traffic::requests(VehicleIndex vehicle, CrossingIndex crossing) const {
-  const auto mine = std::ranges::find(queue_, vehicle, &Request::vehicle);
-  return mine != queue_.end() && std::ranges::find(mine->crossings, crossing) != mine->crossings.end();
 }
 
 std::vector<VehicleIndex> Traffic::waiting(CrossingIndex crossing) const {
@@ -387,8 +388,26 @@ void Traffic::fold(Digest& digest) const {
 }
 
 void Traffic::archive(Archive& archive) {
-  archive(vehicles_, by_section_, holders_, queue_, convoys_, now_, positions_dirty_, holds_dirty_);
+  archive(vehicles_, by_section_, holders_, holds_, queue_, convoys_, now_, positions_dirty_, holds_dirty_);
   if (archive.reads()) base_left_.assign(vehicles_.size(), std::nullopt);
+}
+
+bool is_in_others_crossing(const Traffic& traffic, VehicleIndex vehicle) {
+  const auto& position = traffic.track_position(vehicle);
+  if (!position || traffic.base_left_m(vehicle, *position).value_or(0.0) > 0.0) return false;
+  return std::ranges::any_of(traffic.needs(vehicle), [&](CrossingIndex x) { return traffic.holder(x) != vehicle; });
+}
+
+bool requests(const Traffic& traffic, VehicleIndex vehicle, CrossingIndex crossing) {
+  const auto request = std::ranges::find(traffic.requests(), vehicle, &Traffic::Request::vehicle);
+  return request != traffic.requests().end() &&
+         std::ranges::find(request->crossings, crossing) != request->crossings.end();
+}
+
+BeyondBase beyond_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position) {
+  BeyondBase beyond{sections_of_base(traffic, vehicle, position), {}};
+  list_beyond_base(traffic, vehicle, position, beyond.sections);
+  return beyond;
 }
 
 std::size_t sections_of_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position) {

@@ -82,6 +82,9 @@ class Traffic {
   /// The end of the base that was sent to the vehicle, whether or not the vehicle has reported the base; no_waypoint:
   /// none.
   void set_base_end(VehicleIndex vehicle, WaypointIndex end);
+  /// The crossings that a vehicle without a position holds, because its base from before a restart of the server leads
+  /// through them; until it has a position.
+  void reserve(VehicleIndex vehicle, std::vector<CrossingIndex> crossings);
   /// The vehicle reports that it has reached the end of its base; valid until the next base.
   void set_base_passed(VehicleIndex vehicle, bool passed);
   [[nodiscard]] WaypointIndex base_end(VehicleIndex vehicle) const { return vehicles_[vehicle].base_end; }
@@ -107,12 +110,6 @@ class Traffic {
   /// From `place` along the vehicle's course to the end of its base; nothing: the vehicle has no base, or its course
   /// does not lead to that end.
   [[nodiscard]] std::optional<double> base_left_m(VehicleIndex vehicle, zone::TrackPosition position) const;
-  /// The part of a vehicle's course beyond the end of its base.
-  struct Beyond {
-    std::size_t keep;                       ///< sections of coming() up to the one that the base ends on
-    std::vector<zone::SectionId> sections;  ///< after that section
-  };
-  [[nodiscard]] Beyond beyond_base(VehicleIndex vehicle, zone::TrackPosition position) const;
   [[nodiscard]] bool base_passed(VehicleIndex vehicle) const { return vehicles_[vehicle].base_passed; }
   [[nodiscard]] double base_m_max(VehicleIndex vehicle) const { return vehicles_[vehicle].base_m_max; }
 
@@ -150,12 +147,10 @@ class Traffic {
   /// The vehicle joins the convoy (may_join() holds: checked). A base has to follow.
   Convoy join(VehicleIndex vehicle);
   void withdraw(VehicleIndex vehicle);
-  [[nodiscard]] bool requests(VehicleIndex vehicle, CrossingIndex crossing) const;
-  /// The vehicle is stopped, without a base, in a crossing that another vehicle holds; possible after a switch of
-  /// zones.
-  [[nodiscard]] bool is_in_others_crossing(VehicleIndex vehicle) const;
 
   [[nodiscard]] VehicleIndex holder(CrossingIndex crossing) const { return holders_[crossing]; }
+  /// Number of times that a crossing got a holder.
+  [[nodiscard]] std::uint64_t holds() const { return holds_; }
   /// The vehicles that wait for a crossing, in the order in which they will be served.
   [[nodiscard]] std::vector<VehicleIndex> waiting(CrossingIndex crossing) const;
   /// Number of times that a vehicle joined a convoy.
@@ -200,6 +195,7 @@ class Traffic {
     double base_m_max{};  ///< maximum length of the base; a base that seems longer has been driven to its end
     Leader ahead;
     std::vector<CrossingIndex> needs;
+    std::vector<CrossingIndex> reserved;  ///< needs without a position
     std::int32_t priority{0};
   };
   /// What base_left_m() found at this position last.
@@ -218,6 +214,7 @@ class Traffic {
   void search_on(zone::SectionId section, double start_m, double from_s_m, double to_s_m, VehicleIndex self,
                  Leader& nearest) const;
   void update_holds();
+  void hold(CrossingIndex crossing, VehicleIndex vehicle);
   void measure_base(VehicleIndex vehicle);
   void check_again(VehicleIndex vehicle);
 
@@ -228,7 +225,8 @@ class Traffic {
   mutable std::vector<std::optional<BaseLeft>> base_left_;
   std::vector<std::pair<zone::SectionId, VehicleIndex>> by_section_;  ///< the vehicles with a position, sorted
   std::vector<VehicleIndex> holders_;                                 ///< by crossing
-  std::vector<Request> queue_;                                        ///< oldest first
+  std::uint64_t holds_{0};
+  std::vector<Request> queue_;  ///< oldest first
   Convoys convoys_;
   std::vector<CrossingIndex> scratch_;
   std::vector<CrossingIndex> between_;
@@ -237,9 +235,19 @@ class Traffic {
   bool holds_dirty_{true};
 };
 
-/// Traffic::Beyond::keep alone.
+/// The vehicle is stopped, without a base, in a crossing that another vehicle holds; possible after a switch of zones.
+[[nodiscard]] bool is_in_others_crossing(const Traffic& traffic, VehicleIndex vehicle);
+[[nodiscard]] bool requests(const Traffic& traffic, VehicleIndex vehicle, CrossingIndex crossing);
+
+/// The part of a vehicle's course beyond the end of its base.
+struct BeyondBase {
+  std::size_t keep;                       ///< sections of coming() up to the one that the base ends on
+  std::vector<zone::SectionId> sections;  ///< after that section
+};
+[[nodiscard]] BeyondBase beyond_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position);
+/// BeyondBase::keep alone.
 [[nodiscard]] std::size_t sections_of_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position);
-/// Traffic::Beyond::sections alone, in a list whose memory is used again.
+/// BeyondBase::sections alone, in a list whose memory is used again.
 void list_beyond_base(const Traffic& traffic, VehicleIndex vehicle, zone::TrackPosition position,
                       std::vector<zone::SectionId>& sections);
 

@@ -481,7 +481,7 @@ TEST_F(RoadTraffic, grants_a_vehicle_without_a_position_nothing) {
   EXPECT_FALSE(traffic.request(0, 1.0).granted);
   EXPECT_THAT(traffic.requests(), IsEmpty());
   EXPECT_FALSE(traffic.holds_all(0, 0.0));
-  EXPECT_FALSE(traffic.is_in_others_crossing(0));
+  EXPECT_FALSE(is_in_others_crossing(traffic, 0));
   EXPECT_EQ(leader_within(20.0).vehicle, no_vehicle);
 }
 
@@ -505,14 +505,14 @@ TEST_F(RoadTraffic, retains_the_time_of_the_first_request_and_the_distances_of_t
 TEST_F(RoadTraffic, lists_requests_and_waiting_vehicles_by_crossing) {
   hold_first(first, 0.5, 1.0);
   refuse_second();
-  EXPECT_TRUE(traffic.requests(1, Roads::x));
-  EXPECT_TRUE(traffic.requests(1, Roads::y));
-  EXPECT_FALSE(traffic.requests(0, Roads::x)) << "granted";
+  EXPECT_TRUE(requests(traffic, 1, Roads::x));
+  EXPECT_TRUE(requests(traffic, 1, Roads::y));
+  EXPECT_FALSE(requests(traffic, 0, Roads::x)) << "granted";
   EXPECT_THAT(traffic.waiting(Roads::y), ElementsAre(1));
   traffic.withdraw(2);
-  EXPECT_TRUE(traffic.requests(1, Roads::x)) << "another vehicle's request";
+  EXPECT_TRUE(requests(traffic, 1, Roads::x)) << "another vehicle's request";
   traffic.withdraw(1);
-  EXPECT_FALSE(traffic.requests(1, Roads::x));
+  EXPECT_FALSE(requests(traffic, 1, Roads::x));
   EXPECT_THAT(traffic.waiting(Roads::y), IsEmpty());
 }
 
@@ -597,8 +597,8 @@ TEST_F(RoadTraffic, lets_the_holder_leave_a_crossing_in_which_another_vehicle_is
   roads.put(0, first, 1.0);
   roads.put(1, second, 1.0);
   EXPECT_EQ(traffic.holder(Roads::x), 0U);
-  EXPECT_FALSE(traffic.is_in_others_crossing(0));
-  EXPECT_TRUE(traffic.is_in_others_crossing(1));
+  EXPECT_FALSE(is_in_others_crossing(traffic, 0));
+  EXPECT_TRUE(is_in_others_crossing(traffic, 1));
   const auto refused = roads.request(1, 1.5);
   EXPECT_EQ(refused.blocked_by, 0U);
   EXPECT_EQ(refused.why, WaitReason::crossing);
@@ -609,7 +609,7 @@ TEST_F(RoadTraffic, lets_no_holder_leave_a_crossing_in_which_another_vehicle_has
   roads.put(0, first, 1.0);
   roads.put(1, second, 1.0);
   roads.end_base(1, second, 1.5);
-  EXPECT_FALSE(traffic.is_in_others_crossing(1)) << "it is not stopped";
+  EXPECT_FALSE(is_in_others_crossing(traffic, 1)) << "it is not stopped";
   const auto refused = roads.request(0, 1.5);
   EXPECT_FALSE(refused.granted);
   EXPECT_EQ(refused.waits_for, Roads::x);
@@ -675,6 +675,42 @@ TEST_F(RoadTraffic, does_not_take_the_end_of_a_base_that_was_passed_for_that_of_
   EXPECT_EQ(traffic.base_left_m(0, {first, 1.7}), 0.0);
   traffic.set_base_passed(0, false);
   EXPECT_GT(traffic.base_left_m(0, {first, 2.0}).value_or(0.0), 8.0);
+}
+
+TEST_F(CloverTraffic, reserves_crossings_for_a_vehicle_until_it_has_a_position) {
+  stop_before(1, 2);
+  const std::vector<CrossingIndex> all = [&] {
+    std::vector<CrossingIndex> crossings;
+    for (CrossingIndex x = 0; x < map.crossing_count(); ++x) crossings.push_back(x);
+    return crossings;
+  }();
+  traffic.reserve(0, all);
+  traffic.update();
+  EXPECT_EQ(held_by(0), all.size());
+  const Traffic::Response response = request_crossing(1, 2);
+  EXPECT_FALSE(response.granted);
+  EXPECT_EQ(response.blocked_by, 0U);
+  EXPECT_EQ(response.why, WaitReason::crossing);
+  stop_before(0, 6);
+  EXPECT_EQ(held_by(0), 0U) << "its position and its base are known";
+  EXPECT_TRUE(request_crossing(1, 2).granted);
+  traffic.forget(0);
+  traffic.reserve(0, all);
+  traffic.forget(0);
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
+}
+
+TEST_F(CloverTraffic, counts_how_often_a_crossing_gets_a_holder) {
+  stop_before(0, 0);
+  const std::uint64_t before = traffic.holds();
+  ASSERT_TRUE(request_crossing(0, 0).granted);
+  drive_to_exit(0, 0);
+  EXPECT_EQ(traffic.holds(), before + held_by(0));
+  traffic.update();
+  traffic.set_base_end(0, no_waypoint);
+  traffic.update();
+  EXPECT_EQ(traffic.holds(), before + 2) << "giving back is not counted";
 }
 
 TEST_F(RoadTraffic, discards_everything_of_a_vehicle_that_was_removed) {
@@ -854,7 +890,7 @@ class BeyondBase : public testing::Test {
 
 TEST_F(BeyondBase, are_the_sections_after_the_one_that_the_base_ends_on) {
   traffic.set_base_end(0, 2);
-  const Traffic::Beyond beyond = traffic.beyond_base(0, {0, 0.5});
+  const auto beyond = beyond_base(traffic, 0, {0, 0.5});
   EXPECT_EQ(beyond.keep, 2U);
   EXPECT_THAT(beyond.sections, ElementsAre(3U));
 }
@@ -862,7 +898,7 @@ TEST_F(BeyondBase, are_the_sections_after_the_one_that_the_base_ends_on) {
 TEST_F(BeyondBase, are_all_remaining_sections_where_the_base_ends_on_the_present_one) {
   traffic.set_base_end(0, 0);
   for (const double s_m : {0.5, 0.75}) {
-    const Traffic::Beyond beyond = traffic.beyond_base(0, {0, s_m});
+    const auto beyond = beyond_base(traffic, 0, {0, s_m});
     EXPECT_EQ(beyond.keep, 0U);
     EXPECT_THAT(beyond.sections, ElementsAre(1U, 2U, 3U));
   }
@@ -873,7 +909,7 @@ TEST_F(BeyondBase, begin_with_the_sections_that_the_vehicle_went_onto) {
   traffic.set_position(0, zone::TrackPosition{1, 0.14});
   for (const bool passed : {false, true}) {
     traffic.set_base_passed(0, passed);
-    const Traffic::Beyond beyond = traffic.beyond_base(0, {1, 0.14});
+    const auto beyond = beyond_base(traffic, 0, {1, 0.14});
     EXPECT_EQ(beyond.keep, 0U);
     EXPECT_THAT(beyond.sections, ElementsAre(1U, 2U, 3U)) << passed;
   }
@@ -884,7 +920,7 @@ TEST_F(BeyondBase, are_none_where_the_vehicle_is_far_beyond_its_base) {
   traffic.set_position(0, zone::TrackPosition{1, 0.16});
   for (const bool passed : {false, true}) {
     traffic.set_base_passed(0, passed);
-    const Traffic::Beyond beyond = traffic.beyond_base(0, {1, 0.16});
+    const auto beyond = beyond_base(traffic, 0, {1, 0.16});
     EXPECT_EQ(beyond.keep, 0U);
     EXPECT_THAT(beyond.sections, IsEmpty()) << passed;
   }

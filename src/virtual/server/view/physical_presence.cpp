@@ -18,7 +18,7 @@ void PhysicalPresence::tick(SimTime now) const {
 
 Result<Departure> PhysicalPresence::departure(const RetireCommand& command, SimTime now) const {
   const auto vehicle = registry_.find(command.vehicle);
-  if (!vehicle || !registry_[*vehicle].here())
+  if (!vehicle || !(registry_[*vehicle].here() || registry_[*vehicle].membership.awaited()))
     return fail("vehicle.unknown",
                 "no vehicle '" + command.vehicle.substr(0, 80) + "' is known; name it as manufacturer/serial number",
                 "vehicle");
