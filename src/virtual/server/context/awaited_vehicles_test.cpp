@@ -131,6 +131,13 @@ TEST_F(AwaitedInCrossing, holds_it_until_it_reports_however_long_that_takes) {
   expect_other_passes();
 }
 
+TEST_F(AwaitedInCrossing, holds_it_although_its_position_is_known_before_its_order_is) {
+  server.restart_server(true);
+  server.run_for(2s);
+  server.send(absent, "visualization", vda::encode(absent.visualization(server.now)));
+  expect_crossings_stay_held(20s);
+}
+
 TEST_F(AwaitedInCrossing, holds_it_over_another_restart_and_before_the_zone_is_known_again) {
   server.restart_server(true);
   server.forget_zone();

@@ -48,10 +48,7 @@ void Traffic::resize(std::size_t vehicles) {
 void Traffic::set_position(VehicleIndex vehicle, std::optional<zone::TrackPosition> position) {
   if (vehicles_[vehicle].position == position) return;
   vehicles_[vehicle].position = position;
-  if (position) {
-    vehicles_[vehicle].reserved.clear();
-    follow(vehicle, *position);
-  }
+  if (position) follow(vehicle, *position);
   positions_dirty_ = true;
 }
 
@@ -105,9 +102,10 @@ void Traffic::set_base_end(VehicleIndex vehicle, WaypointIndex end) {
 
 void Traffic::reserve(VehicleIndex vehicle, std::vector<CrossingIndex> crossings) {
   Vehicle& self = vehicles_[vehicle];
-  if (self.position || self.reserved == crossings) return;
+  if (self.reserved == crossings) return;
   self.reserved = std::move(crossings);
   for (const CrossingIndex x : self.reserved) hold(x, vehicle);
+  base_left_[vehicle].reset();
   holds_dirty_ = true;
 }
 
@@ -218,6 +216,8 @@ void Traffic::update_holds() {
     if (known && known->needs_known) continue;
     vehicle.needs.clear();
     map_->crossings_on(*vehicle.position, base_m, vehicle.needs, remaining(v));
+    for (const CrossingIndex x : vehicle.reserved)
+      if (std::ranges::find(vehicle.needs, x) == vehicle.needs.end()) vehicle.needs.push_back(x);
     if (known) known->needs_known = true;
   }
   for (CrossingIndex x = 0; x < holders_.size(); ++x) {

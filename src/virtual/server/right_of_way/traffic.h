@@ -82,8 +82,8 @@ class Traffic {
   /// The end of the base that was sent to the vehicle, whether or not the vehicle has reported the base; no_waypoint:
   /// none.
   void set_base_end(VehicleIndex vehicle, WaypointIndex end);
-  /// The crossings that a vehicle without a position holds, because its base from before a restart of the server leads
-  /// through them; until it has a position.
+  /// The crossings that a vehicle holds in addition, because its base from before a restart of the server, which is not
+  /// known, may lead through them; until the next call.
   void reserve(VehicleIndex vehicle, std::vector<CrossingIndex> crossings);
   /// The vehicle reports that it has reached the end of its base; valid until the next base.
   void set_base_passed(VehicleIndex vehicle, bool passed);
@@ -195,7 +195,7 @@ class Traffic {
     double base_m_max{};  ///< maximum length of the base; a base that seems longer has been driven to its end
     Leader ahead;
     std::vector<CrossingIndex> needs;
-    std::vector<CrossingIndex> reserved;  ///< needs without a position
+    std::vector<CrossingIndex> reserved;  ///< part of `needs`
     std::int32_t priority{0};
   };
   /// What base_left_m() found at this position last.

@@ -677,7 +677,7 @@ TEST_F(RoadTraffic, does_not_take_the_end_of_a_base_that_was_passed_for_that_of_
   EXPECT_GT(traffic.base_left_m(0, {first, 2.0}).value_or(0.0), 8.0);
 }
 
-TEST_F(CloverTraffic, reserves_crossings_for_a_vehicle_until_it_has_a_position) {
+TEST_F(CloverTraffic, reserves_crossings_for_a_vehicle_whether_or_not_it_has_a_position) {
   stop_before(1, 2);
   const std::vector<CrossingIndex> all = [&] {
     std::vector<CrossingIndex> crossings;
@@ -692,7 +692,11 @@ TEST_F(CloverTraffic, reserves_crossings_for_a_vehicle_until_it_has_a_position) 
   EXPECT_EQ(response.blocked_by, 0U);
   EXPECT_EQ(response.why, WaitReason::crossing);
   stop_before(0, 6);
-  EXPECT_EQ(held_by(0), 0U) << "its position and its base are known";
+  EXPECT_EQ(held_by(0), all.size()) << "its position is known, its base is not";
+  EXPECT_FALSE(request_crossing(1, 2).granted);
+  traffic.reserve(0, {});
+  traffic.update();
+  EXPECT_EQ(held_by(0), 0U);
   EXPECT_TRUE(request_crossing(1, 2).granted);
   traffic.forget(0);
   traffic.reserve(0, all);
