@@ -58,6 +58,12 @@ Result<std::vector<ListedVehicle>> vehicles_in(std::string_view snapshot_json) {
   return vehicles;
 }
 
+Result<std::vector<ListedVehicle>> vehicles_of(const adapters::HttpClient& client) {
+  const auto snapshot = client.send_request("GET", "/api/v1/snapshot");
+  if (!snapshot) return tl::unexpected(snapshot.error());
+  return vehicles_in(snapshot->body);
+}
+
 Result<std::string> id_of(std::string_view name, const std::vector<ListedVehicle>& vehicles) {
   if (name.find('/') != std::string_view::npos) return std::string(name);
   const auto has_serial = [name](const ListedVehicle& vehicle) { return serial_of(vehicle.id) == name; };

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/adapters/http/http_client.h"
 #include "cosiva/base/result.h"
 
 namespace cosiva::app {
@@ -23,6 +24,8 @@ struct ListedVehicle {
 /// Reads the snapshot's JSON, which has the vehicles in the order of their arrival. Returns them in the order of the
 /// page: physical vehicles before virtual ones, then by number. Fails ("vehicle.snapshot") on anything else.
 [[nodiscard]] Result<std::vector<ListedVehicle>> vehicles_in(std::string_view snapshot_json);
+/// The vehicles of the platform that the client is connected to. Fails as the request does, and as vehicles_in.
+[[nodiscard]] Result<std::vector<ListedVehicle>> vehicles_of(const adapters::HttpClient& client);
 /// The id of the vehicle with this id or, where it is unique, this serial number. A name with a slash that no vehicle
 /// has is returned as it is: the platform knows excluded vehicles that are away. Fails ("vehicle.unknown",
 /// "vehicle.ambiguous") with the names that exist.

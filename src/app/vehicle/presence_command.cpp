@@ -28,9 +28,7 @@ Result<std::string> body_for(std::string_view command, const std::string& name,
 int run_presence_command(const VehicleArguments& arguments, std::string_view command) {
   const auto client = adapters::HttpClient::make(arguments.url);
   if (!client) return report_error(client.error());
-  const auto snapshot = client->send_request("GET", "/api/v1/snapshot");
-  if (!snapshot) return report_error(snapshot.error());
-  const auto vehicles = vehicles_in(snapshot->body);
+  const auto vehicles = vehicles_of(*client);
   if (!vehicles) return report_error(vehicles.error());
   for (const std::string& name : arguments.vehicles) {
     const auto body = body_for(command, name, *vehicles);

@@ -9,9 +9,7 @@ namespace cosiva::app {
 int run_vehicle_list(const VehicleArguments& arguments) {
   const auto client = adapters::HttpClient::make(arguments.url);
   if (!client) return report_error(client.error());
-  const auto snapshot = client->send_request("GET", "/api/v1/snapshot");
-  if (!snapshot) return report_error(snapshot.error());
-  const auto vehicles = vehicles_in(snapshot->body);
+  const auto vehicles = vehicles_of(*client);
   if (!vehicles) return report_error(vehicles.error());
   print(arguments.json ? to_json(*vehicles) : to_text(*vehicles));
   return exit_done;

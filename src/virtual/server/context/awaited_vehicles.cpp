@@ -88,12 +88,8 @@ bool AwaitedVehicles::have_reported() {
   return true;
 }
 
-std::optional<VehicleIndex> AwaitedVehicles::registered(std::string_view name) const {
-  return context_.registry.find(name);
-}
-
 bool AwaitedVehicles::is_awaited(const Awaited& awaited) const {
-  const auto vehicle = registered(awaited.name);
+  const auto vehicle = context_.registry.find(awaited.name);
   if (!vehicle) return true;
   const AivProxy& proxy = context_.registry[*vehicle];
   return proxy.state() == nullptr && !proxy.retired() && proxy.connection.state() != wire::ConnectionState::offline;
@@ -104,7 +100,7 @@ bool AwaitedVehicles::may_hold() const { return missions_.map() == nullptr || mi
 void AwaitedVehicles::end_those_that_reported() {
   std::erase_if(awaited_, [this](const Awaited& awaited) {
     if (is_awaited(awaited)) return false;
-    if (const auto vehicle = registered(awaited.name)) {
+    if (const auto vehicle = context_.registry.find(awaited.name)) {
       context_.registry[*vehicle].membership.on_awaited_end();
       traffic_.reserve(*vehicle, {});
     }
@@ -117,7 +113,7 @@ void AwaitedVehicles::reserve_crossings() {
   for (Awaited& awaited : awaited_) {
     // In another zone its base leads nowhere: the vehicle gets no order there before it reports.
     if (!may_hold()) awaited.crossings.clear();
-    const auto vehicle = registered(awaited.name);
+    const auto vehicle = context_.registry.find(awaited.name);
     if (!vehicle) continue;
     context_.registry[*vehicle].membership.on_awaited();
     std::vector<CrossingIndex> reserved;
@@ -139,7 +135,8 @@ void AwaitedVehicles::give_up() {
                          "orders are extended although these vehicles have not reported since the restart: " + text);
   std::erase_if(awaited_, [this](const Awaited& awaited) {
     if (!awaited.crossings.empty()) return false;
-    if (const auto vehicle = registered(awaited.name)) context_.registry[*vehicle].membership.on_awaited_end();
+    if (const auto vehicle = context_.registry.find(awaited.name))
+      context_.registry[*vehicle].membership.on_awaited_end();
     return true;
   });
 }

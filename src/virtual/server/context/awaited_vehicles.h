@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
@@ -50,7 +49,6 @@ class AwaitedVehicles {
     std::string name;
     std::vector<std::string> crossings;  ///< that it holds in `zone_`
   };
-  [[nodiscard]] std::optional<VehicleIndex> registered(std::string_view name) const;
   [[nodiscard]] bool is_awaited(const Awaited& awaited) const;
   /// The zone in force is the one that the crossings belong to, or none is in force yet.
   [[nodiscard]] bool may_hold() const;
