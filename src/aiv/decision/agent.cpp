@@ -20,6 +20,8 @@ constexpr double same_body_m = 0.10;
 /// A vehicle that has stopped before an obstacle continues only with this much more free distance: echoes are noisy.
 constexpr double resume_room_m = 0.05;
 constexpr double base_warning_m = 0.30;
+/// A vehicle that must not stop nearer than this is given no room: it stops earlier without commands.
+constexpr double room_m_max = 10.0;
 /// Braking for a virtual body is reported from this difference of speeds on, and until it is less than the second one.
 constexpr double perceived_begins_mps = 0.01;
 constexpr double perceived_ends_mps = 0.002;
@@ -123,10 +125,10 @@ wire::Drive Agent::decide() {
   const double braking_m = speed_mps * speed_mps / (2.0 * target_speed.braking_mps2);
   decision_.wants_base = vehicle_.order().horizon_left() && base_end_m < braking_m + base_warning_m;
   target_speed.braking_mps2 = limit.braking_mps2;
-  return drive(limit.speed_mps, target_speed);
+  return drive(limit.speed_mps, target_speed, limit.end_m);
 }
 
-wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics) {
+wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics, double room_m) {
   const auto milli = [](double value, double top) { return std::nearbyint(std::clamp(1000.0 * value, 0.0, top)); };
   const PositionEstimator& position = vehicle_.position();
   const std::uint8_t branch = one_way_ ? 0 : choose_branch(zone_.circuit, position, vehicle_.order());
@@ -134,6 +136,8 @@ wire::Drive Agent::drive(double speed_mps, const zone::SpeedProfile& kinematics)
   drive = {static_cast<std::int16_t>(milli(speed_mps, 32767.0)),
            static_cast<std::uint16_t>(milli(kinematics.acceleration_mps2, 65535.0)),
            static_cast<std::uint16_t>(milli(kinematics.braking_mps2, 65535.0)), branch, false};
+  // PILS stops there by itself: this program may end before it commands to brake. Its own stop is the earlier one.
+  if (room_m < room_m_max) drive.room_mm = static_cast<std::uint16_t>(milli(room_m + stop_line_m, 65535.0));
   drive.seek = position.near_path() && (drive.speed_mmps > 0 || position.off_path_estimator().manoeuvring());
   // PILS detects the floor at the body's actual pose, not at the estimated one: the nearest path need not be the
   // intended one.

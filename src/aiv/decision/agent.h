@@ -89,7 +89,10 @@ class Agent {
   };
   [[nodiscard]] Plan plan(double room_m, double base_end_m) const;
   [[nodiscard]] bool limited_by_virtual(const Plan& plan, double sensed_m, double base_end_m) const;
-  [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics);
+  /// @param room_m  within which, and the stopping accuracy, the vehicle must stop, whether or not another command
+  /// follows
+  [[nodiscard]] wire::Drive drive(double speed_mps, const zone::SpeedProfile& kinematics,
+                                  double room_m = std::numeric_limits<double>::infinity());
   [[nodiscard]] wire::Drive decide_backwards();
 
   const zone::TrafficZone& zone_;

@@ -142,6 +142,22 @@ TEST(Agent, continues_without_a_stop_when_its_base_is_extended_in_time) {
   EXPECT_GT(slowest_mps, 0.25);
 }
 
+TEST(Agent, gives_the_motors_no_more_room_than_its_base) {
+  AgentFixture fixture{"loop_se", 0.0};
+  fixture.take(to_565().then({"loop_se@848"}));
+  int commanded = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double to_end_m = 2.0 * edge_m - fixture.s_m();
+    fixture.step();
+    const wire::Drive& drive = fixture.agent.decision().drive;
+    if (drive.speed_mmps == 0) continue;
+    ++commanded;
+    ASSERT_TRUE(drive.room_mm) << to_end_m;
+    EXPECT_NEAR(*drive.room_mm, 1e3 * (to_end_m + stop_line_m), 10.0);
+  }
+  EXPECT_GT(commanded, 50);
+}
+
 TEST(Agent, requests_base_only_when_more_is_announced) {
   AgentFixture fixture{"loop_se", 0.0};
   fixture.take(to_565());
@@ -326,6 +342,7 @@ TEST(Agent, waits_at_the_stop_line_until_the_base_leads_through_the_crossing) {
   EXPECT_TRUE(fixture.agent.vehicle().motion().stopped());
   EXPECT_LT(fixture.s_m(), 0.40);
   EXPECT_GT(fixture.s_m(), 0.37);
+  EXPECT_LT(fixture.agent.decision().drive.room_mm, 20) << "the motors get no room beyond the line";
   fixture.take(order("O-1", 1).from_sequence(4).through({"centre", "east@1120"}));
   fixture.run(6.0);
   EXPECT_NEAR(fixture.s_m(), 1.12, 0.01);

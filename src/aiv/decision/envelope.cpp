@@ -105,6 +105,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
     limit.crossing_ahead_m = chain.entry_m;
     if (chain.entry_m < end_m) end_m = std::max(0.0, chain.entry_m - stop_line_m);
   }
+  limit.end_m = end_m;
   const double obstacle_m = view.obstacle_ahead_m - clearance_m;
 
   limit.speed_mps = std::min(limit.speed_mps, stoppable_speed(end_m, braking, late_.command_s));

@@ -46,6 +46,8 @@ struct Limit {
   bool by_obstacle{false};    ///< the limit is due to an obstacle
   double crossing_ahead_m{};  ///< to the next crossing that the vehicle may not enter yet; infinite when none is near
   double bend_ahead_m{std::numeric_limits<double>::infinity()};  ///< to the next bend on the spot, if one is near
+  /// To where the vehicle must stop whatever happens: the end of the base, or the stop line of a crossing before it.
+  double end_m{std::numeric_limits<double>::infinity()};
 };
 
 /// Delay until a decision takes effect at the wheels; the envelope allows for this delay.

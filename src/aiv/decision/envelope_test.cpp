@@ -365,8 +365,8 @@ Limit on_lane(double end_m, const zone::SpeedProfile& by, double s_m = 0.5) {
 }
 
 TEST(Envelope, lets_a_base_lead_through_a_crossing_up_to_five_millimetres_before_its_exit) {
-  const auto to_closed_crossing_m = [](double end_m) {
-    const auto [speed_mps, braking_mps2, by_obstacle, crossing_m, bend_m] = on_lane(end_m, target_speed);
+  const auto to_closed_crossing_m = [](double base_end_m) {
+    const auto [speed_mps, braking_mps2, by_obstacle, crossing_m, bend_m, end_m] = on_lane(base_end_m, target_speed);
     return crossing_m;
   };
   EXPECT_EQ(to_closed_crossing_m(1.496), nothing);
@@ -380,6 +380,12 @@ TEST(Envelope, stops_at_the_nearer_of_stop_line_and_end_of_base) {
   EXPECT_NEAR(on_lane(1.0, racing).speed_mps, stoppable_speed(0.5, 0.8, 0.08), 1e-9) << "a base that ends at the entry";
   EXPECT_NEAR(on_lane(1.25, racing).speed_mps, stoppable_speed(0.5 - 0.01, 0.8, 0.08), 1e-9);
   EXPECT_EQ(on_lane(1.25, racing, 0.995).speed_mps, 0.0) << "the vehicle is beyond the stop line";
+}
+
+TEST(Envelope, states_where_the_vehicle_must_stop_whatever_happens) {
+  EXPECT_NEAR(on_lane(0.6, target_speed).end_m, 0.1, 1e-9) << "the end of its base";
+  EXPECT_NEAR(on_lane(1.25, target_speed).end_m, 0.5 - 0.01, 1e-9) << "the stop line of the crossing in which it ends";
+  EXPECT_NEAR(on_lane(2.0, target_speed).end_m, 1.5, 1e-9) << "beyond the crossing";
 }
 
 // --- forks that are near or far --------------------------------------------------------------------------------------

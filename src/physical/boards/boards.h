@@ -27,7 +27,7 @@ struct WheelReadings {
 };
 
 /// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid
-/// Drive.
+/// Drive, and at the latest at the end of its room.
 class PilsBoard {
  public:
   static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
@@ -38,8 +38,10 @@ class PilsBoard {
   void on_bytes(SimTime now, std::string_view bytes);
   void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
   void tick(SimTime now, const WheelReadings& readings, BoardOutput out);
-  /// What the motors have to do; nothing: stop.
-  [[nodiscard]] const wire::Drive* drive(SimTime now) const;
+  /// Whether the last Drive is recent enough to be obeyed.
+  [[nodiscard]] bool driven(SimTime now) const { return drive_ && now - driven_at_ <= drive_timeout; }
+  /// What the motors have to do where the encoders have counted `distance_m`; nothing: stop.
+  [[nodiscard]] std::optional<wire::Drive> drive(SimTime now, double distance_m);
 
   /// As BoardLink::next_due.
   [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), odometry_.next()); }
@@ -51,6 +53,7 @@ class PilsBoard {
   Every odometry_{std::chrono::milliseconds{20}};
   std::optional<wire::Drive> drive_;
   SimTime driven_at_{};
+  std::optional<double> received_at_m_;  ///< of the encoders, at the first step after drive_ arrived
 };
 
 /// Tag reading and display control (A15): one frame per tag read, texts for AFFI in.

@@ -164,17 +164,44 @@ TEST(Pils, reports_the_end_of_its_scale_for_values_beyond_it) {
 TEST(Pils, drives_for_300_ms_after_the_last_valid_command_and_no_longer) {
   PilsBoard board;
   board.power_up(start, 1, 0ms);
-  EXPECT_EQ(board.drive(start), nullptr);
+  EXPECT_EQ(board.drive(start, 0.0), std::nullopt);
   const wire::Drive drive{500, 800, 1000, 0};
   board.on_bytes(start, encode(drive, 0));
-  ASSERT_NE(board.drive(start), nullptr);
-  EXPECT_EQ(*board.drive(start), drive);
+  EXPECT_EQ(board.drive(start, 0.0), drive);
   std::string damaged = encode(drive, 1);
   damaged[4] = static_cast<char>(damaged[4] ^ 1);
   board.on_bytes(start + 200ms, damaged);                       // not valid
   board.on_bytes(start + 200ms, encode(wire::Heartbeat{}, 2));  // alive, but no command
-  EXPECT_NE(board.drive(start + 300ms), nullptr);
-  EXPECT_EQ(board.drive(start + 301ms), nullptr);
+  EXPECT_TRUE(board.driven(start + 300ms));
+  EXPECT_EQ(board.drive(start + 300ms, 0.15), drive);
+  EXPECT_FALSE(board.driven(start + 301ms));
+  EXPECT_EQ(board.drive(start + 301ms, 0.15), std::nullopt);
+}
+
+TEST(Pils, lets_the_motors_run_no_faster_than_they_can_stop_within_the_room_of_the_last_drive) {
+  PilsBoard board;
+  board.power_up(start, 1, 0ms);
+  const wire::Drive drive{500, 800, 600, 0, false, std::nullopt, 200};
+  board.on_bytes(start, encode(drive, 0));
+  EXPECT_EQ(board.drive(start, 7.0), drive) << "0.5 m/s stop within 0.125 m, and 0.025 m of lag";
+  EXPECT_EQ(board.drive(start + 10ms, 7.049), drive);
+  const auto limited = board.drive(start + 20ms, 7.1);
+  ASSERT_TRUE(limited);
+  // v²/2 + 0.05·v = 0.1
+  EXPECT_EQ(limited->speed_mmps, 400);
+  EXPECT_EQ(limited->braking_mmps2, 1000) << "harder than commanded";
+  EXPECT_EQ(board.drive(start + 30ms, 7.2)->speed_mmps, 0);
+  EXPECT_EQ(board.drive(start + 30ms, 7.3)->speed_mmps, 0) << "beyond it";
+  board.on_bytes(start + 40ms, encode(drive, 1));
+  EXPECT_EQ(board.drive(start + 40ms, 7.3), drive) << "the next Drive counts from where it arrives";
+}
+
+TEST(Pils, drives_backwards_whatever_the_room_of_the_drive) {
+  PilsBoard board;
+  board.power_up(start, 1, 0ms);
+  const wire::Drive drive{-200, 800, 600, 0, false, std::nullopt, 0};
+  board.on_bytes(start, encode(drive, 0));
+  EXPECT_EQ(board.drive(start, 0.0), drive);
 }
 
 TEST(Prav, sends_a_tag_with_its_age_once_the_reader_has_it) {
@@ -304,8 +331,8 @@ TEST(Board, sends_and_counts_the_same_whether_frames_pass_as_bytes_or_as_values)
   const std::vector<wire::BoardMessage> commands{wire::Heartbeat{}, wire::Drive{300, 500, 800, 0},
                                                  wire::Hello{wire::Board::PILS, 1, 0, 0}};
   expect_same_as_values<PilsInPhase>(wire::Board::PILS, commands, [](PilsBoard& board, SimTime now, BoardOutput out) {
-    const wire::Drive* drive = board.drive(now);  // shows in what the board reports
-    board.tick(now, {1.0, drive == nullptr ? 0.0 : drive->speed_mmps * 1e-3, 0.0, false}, out);
+    const auto drive = board.drive(now, 1.0);  // shows in what the board reports
+    board.tick(now, {1.0, drive ? drive->speed_mmps * 1e-3 : 0.0, 0.0, false}, out);
   });
   expect_same_as_values<PravBoard>(wire::Board::PRAV, {wire::Display{"AIV1"}, wire::Heartbeat{}},
                                    [](PravBoard& board, SimTime now, BoardOutput out) {

@@ -83,6 +83,24 @@ TEST(Plant, stops_by_itself_300_ms_after_the_last_command) {
   EXPECT_NEAR(distance_m, 0.5 * 0.26 + 0.5 * 0.5 / 2.0 + 0.5 * 0.05, 0.5 * 0.021);
 }
 
+TEST(Plant, stops_within_the_room_of_the_last_command_when_no_other_follows) {
+  PlantFixture fixture{straight(20.0)};
+  fixture.drive(1, fast);
+  fixture.run_for(3s);
+  wire::Drive last = fast;
+  last.room_mm = 160;
+  fixture.drive(1, last);
+  fixture.run_for(10ms);
+  const double before_m = fixture.ground_truth(1).distance_m;
+  fixture.fall_unresponsive(1);
+  fixture.run_for(3s);
+  EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
+  // Silence alone would stop it after 0.28 m.
+  const double distance_m = fixture.ground_truth(1).distance_m - before_m;
+  EXPECT_LE(distance_m, 0.16);
+  EXPECT_GE(distance_m, 0.14);
+}
+
 TEST(Plant, takes_no_command_from_damaged_frames) {
   PlantFixture fixture{straight(20.0)};
   for (int i = 0; i < 200; ++i) {

@@ -55,11 +55,11 @@ void Vehicle::move(SimTime now, SimDuration dt) {
 }
 
 void Vehicle::step(SimTime now, double dt_s) {
-  const wire::Drive* drive = power_.cut_off() ? nullptr : boards_.drive(now);
-  DriveCommand command = drive == nullptr ? DriveCommand{} : to_command(*drive);
+  const auto drive = power_.cut_off() ? std::nullopt : boards_.drive(now, odometer_.distance_m());
+  DriveCommand command = drive ? to_command(*drive) : DriveCommand{};
   if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
-  motion_.step(drive == nullptr ? nullptr : &command, dt_s);
+  motion_.step(drive ? &command : nullptr, dt_s);
 
   const double moved_m = motion_.step_distance_m();
   if (motion_.following()) {

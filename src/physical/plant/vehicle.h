@@ -54,7 +54,7 @@ class Vehicle {
   [[nodiscard]] const PowerTrain& power() const { return power_; }
   [[nodiscard]] const std::shared_ptr<const Floor>& floor() const { return floor_; }
   [[nodiscard]] const TripCounter& trip() const { return trip_; }
-  [[nodiscard]] bool powered(SimTime now) const { return boards_.drive(now) != nullptr && !power_.cut_off(); }
+  [[nodiscard]] bool powered(SimTime now) const { return boards_.driven(now) && !power_.cut_off(); }
   [[nodiscard]] const std::string& display() const { return boards_.display(); }
   [[nodiscard]] double charge() const { return power_.pack().charge(); }
   [[nodiscard]] const std::string& port(wire::Board board) const { return boards_.port(board); }

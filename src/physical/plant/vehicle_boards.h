@@ -38,8 +38,12 @@ class VehicleBoards {
   void on_frames(SimTime now, const wire::BoardFrames& frames);
   void on_tag(SimTime read_at, std::uint32_t number);
 
-  /// The command in force; null: the boards are off, or the watchdog has stopped the motors.
-  [[nodiscard]] const wire::Drive* drive(SimTime now) const { return pils_.drive(now); }
+  /// Whether a command is in force; if not, the boards are off, or the watchdog has stopped the motors.
+  [[nodiscard]] bool driven(SimTime now) const { return pils_.driven(now); }
+  /// The command in force where the encoders have counted `distance_m`; nothing: none is.
+  [[nodiscard]] std::optional<wire::Drive> drive(SimTime now, double distance_m) {
+    return pils_.drive(now, distance_m);
+  }
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
   /// Lets the boards send what is due, often nothing. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,

@@ -66,6 +66,9 @@ struct Drive {
   bool seek{};
   /// Not to the nearest line, but to the one at this pose in the frame of the stopped body. Read when a seek begins.
   std::optional<Manoeuvre> goal{};
+  /// The vehicle stops within this distance, counted from where it receives this message, even if no other follows;
+  /// nothing: no limit.
+  std::optional<std::uint16_t> room_mm{};
   friend bool operator==(const Drive&, const Drive&) = default;
 };
 

@@ -60,6 +60,10 @@ const std::vector<Golden>& golden() {
       {"Drive that seeks", 14, Drive{150, 500, 800, no_branch, true}, "04 14 0e 96 09 f4 01 20 03 ff 01 82 fd 00"},
       {"Drive to a goal", 15, Drive{150, 500, 800, no_branch, true, Manoeuvre{214, -35, -1571}},
        "04 14 0f 96 08 f4 01 20 03 ff 03 d6 07 dd ff dd f9 87 fc 00"},
+      {"Drive with a room", 18, Drive{400, 500, 1000, 2, false, std::nullopt, 117},
+       "0c 14 12 90 01 f4 01 e8 03 02 04 75 03 cd c8 00"},
+      {"Drive to a goal with a room", 19, Drive{150, 500, 800, no_branch, true, Manoeuvre{214, -35, -1571}, 350},
+       "04 14 13 96 08 f4 01 20 03 ff 07 d6 09 dd ff dd f9 5e 01 09 53 00"},
       {"TagRead", 9, TagRead{65536, 1000042, 15}, "03 15 09 01 02 01 04 6a 42 0f 02 0f 03 7a 2a 00"},
       {"Display", 10, Display{"AIV 3 été"}, "10 16 0a 41 49 56 20 33 20 c3 a9 74 c3 a9 95 35 00"},
       {"Ranges", 11, Ranges{60, -14, 14, {350, no_echo, 2000}},
@@ -104,6 +108,11 @@ rc::Gen<BoardMessage> any_message() {
                               [](const auto& t) {
                                 const auto& [speed, x, y, turned] = t;
                                 return Drive{speed, 500, 800, no_branch, true, Manoeuvre{x, y, turned}};
+                              })),
+      as_message(rc::gen::map(rc::gen::tuple(i16, rc::gen::arbitrary<bool>(), u16),
+                              [](const auto& t) {
+                                const auto& [speed, seek, room] = t;
+                                return Drive{speed, 500, 800, no_branch, seek, std::nullopt, room};
                               })),
       as_message(rc::gen::build<TagRead>(rc::gen::set(&TagRead::board_ms), rc::gen::set(&TagRead::number),
                                          rc::gen::set(&TagRead::age_ms))),
@@ -170,7 +179,7 @@ TEST(Frame, of_the_document_is_read_as_the_message) {
 TEST(Frame, bytes_are_written_in_the_protocol_document) {
   std::ifstream file{source_dir() + "/docs/protocols/module-link.md"};
   const std::string document{std::istreambuf_iterator<char>{file}, {}};
-  EXPECT_EQ(golden().size(), std::variant_size_v<BoardMessage> + 4) << "two of them have two forms, one three";
+  EXPECT_EQ(golden().size(), std::variant_size_v<BoardMessage> + 6) << "two of them have two forms, one five";
   for (const Golden& vector : golden()) EXPECT_THAT(document, HasSubstr(vector.hex)) << vector.name;
 }
 
@@ -261,7 +270,8 @@ TEST(Decode, refuses_values_out_of_range) {
   EXPECT_EQ(code_of(framed("\x13\x01" + std::string(16, '\1') + "\x04")), "link.value");  // no such flag
   EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x01")), "none");
   EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x02")), "link.value");  // a goal without seek
-  EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x04")), "link.value");
+  EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x06" + nine.substr(1))), "link.value");  // likewise
+  EXPECT_EQ(code_of(framed("\x14\x01" + std::string(7, '\1') + "\x08")), "link.value");
   EXPECT_EQ(code_of(framed("\x18\x01" + std::string(6, '\1') + "\xE8\x03")), "none");        // 1000 ‰
   EXPECT_EQ(code_of(framed("\x18\x01" + std::string(6, '\1') + "\xE9\x03")), "link.value");  // 1001 ‰
   const std::string gauge = "\x18\x01" + std::string(6, '\1') + "\xE8\x03";
@@ -286,6 +296,19 @@ TEST(Decode, requires_a_goal_where_the_flags_announce_one_and_nowhere_else) {
   EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x03")), "link.length");
   EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x01" + six)), "link.length");
   EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x03" + six + six)), "link.length");
+}
+
+TEST(Decode, requires_a_room_where_the_flags_announce_one_and_nowhere_else) {
+  const std::string head(7, '\1');
+  const std::string two(2, '\1');
+  const std::string eight(8, '\1');
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x04" + two)), "none");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x05" + two)), "none");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x07" + eight)), "none");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x04")), "link.length");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x01" + two)), "link.length");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x04" + eight)), "link.length");
+  EXPECT_EQ(code_of(framed("\x14\x01" + head + "\x07" + two)), "link.length");
 }
 
 TEST(Decoder, takes_bytes_in_any_pieces) {
@@ -450,7 +473,7 @@ TEST(Decode, states_the_bytes_and_values_that_it_expects) {
   EXPECT_EQ(message_of(framed("\x14\x01" + head + "\x03")), "the payload has 8 bytes, expected 14, by its flags");
   EXPECT_EQ(message_of(framed("\x14\x01" + std::string(14, '\1'))),
             "the payload has 14 bytes, expected 8, by its flags");
-  EXPECT_EQ(message_of(framed("\x14\x01" + head + "\x02")), "the flags is 2, expected 0, 1 or 3");
+  EXPECT_EQ(message_of(framed("\x14\x01" + head + "\x02")), "the flags is 2, expected 0, 1, 3, 4, 5 or 7");
   EXPECT_EQ(message_of(framed("\x11\x01\x05" + std::string(9, '\1'))), "the board is 5, expected 1 to 4");
   EXPECT_EQ(message_of(framed(std::string("\x11\x01\x00", 3) + std::string(9, '\1'))),
             "the board is 0, expected 1 to 4");

@@ -12,7 +12,9 @@ constexpr std::uint8_t line_lost_flag = 1;
 constexpr std::uint8_t manoeuvre_flag = 2;
 constexpr std::uint8_t seek_flag = 1;
 constexpr std::uint8_t goal_flag = 2;
+constexpr std::uint8_t room_flag = 4;
 constexpr std::size_t manoeuvre_bytes = 6;
+constexpr std::size_t room_bytes = 2;
 
 struct Write {
   PayloadWriter& out;
@@ -42,8 +44,10 @@ struct Write {
     out.put(m.braking_mmps2);
     out.put(m.branch);
     const bool has_goal = m.seek && m.goal;
-    out.put(static_cast<std::uint8_t>((m.seek ? seek_flag : 0) | (has_goal ? goal_flag : 0)));
+    out.put(
+        static_cast<std::uint8_t>((m.seek ? seek_flag : 0) | (has_goal ? goal_flag : 0) | (m.room_mm ? room_flag : 0)));
     if (has_goal) put(*m.goal);
+    if (m.room_mm) out.put(*m.room_mm);
   }
   void put(const Manoeuvre& m) const {
     out.put(m.x_mm);
@@ -146,8 +150,7 @@ Result<BoardMessage> read_odometry(std::span<const std::uint8_t> payload) {
 
 Result<BoardMessage> read_drive(std::span<const std::uint8_t> payload) {
   constexpr std::size_t head = 8;
-  if (payload.size() != head && payload.size() != head + manoeuvre_bytes)
-    return wrong_length(payload.size(), "8, or 14 with a goal");
+  if (payload.size() < head) return wrong_length(payload.size(), "8 or more");
   PayloadReader in{payload};
   Drive m;
   m.speed_mmps = in.take<std::int16_t>();
@@ -155,12 +158,15 @@ Result<BoardMessage> read_drive(std::span<const std::uint8_t> payload) {
   m.braking_mmps2 = in.take<std::uint16_t>();
   m.branch = in.take<std::uint8_t>();
   const auto flags = in.take<std::uint8_t>();
-  if (flags > (seek_flag | goal_flag) || flags == goal_flag) return wrong_value("the flags", flags, "0, 1 or 3");
-  const bool has_goal = (flags & goal_flag) != 0;
-  if (has_goal != (payload.size() > head))
-    return wrong_length(payload.size(), has_goal ? "14, by its flags" : "8, by its flags");
   m.seek = (flags & seek_flag) != 0;
+  const bool has_goal = (flags & goal_flag) != 0;
+  const bool has_room = (flags & room_flag) != 0;
+  if (flags > (seek_flag | goal_flag | room_flag) || (has_goal && !m.seek))
+    return wrong_value("the flags", flags, "0, 1, 3, 4, 5 or 7");
+  const std::size_t length = head + (has_goal ? manoeuvre_bytes : 0) + (has_room ? room_bytes : 0);
+  if (payload.size() != length) return wrong_length(payload.size(), std::to_string(length) + ", by its flags");
   if (has_goal) m.goal = read_manoeuvre(in);
+  if (has_room) m.room_mm = in.take<std::uint16_t>();
   return m;
 }
 
