@@ -30,18 +30,18 @@ void CrossingGrants::request(const Block& block, std::uint32_t i) {
   Copy& copy = copies_[own.copy];
   state_.queue[copy.first + copy.waiting++] = {i, block.now, own.line_chain, own.priority};
   recheck(copy);
-  state_.mode[i] |= Mode::requests;
+  state_.mode[i] |= Mode::requesting;
 }
 
 void CrossingGrants::withdraw(std::uint32_t i) {
-  if ((state_.mode[i] & Mode::requests) == 0) return;
+  if ((state_.mode[i] & Mode::requesting) == 0) return;
   Copy& copy = copies_[state_.own[i].copy];
   const auto all = waiting(state_.own[i].copy);
   const auto mine = std::ranges::find(all, i, &Waiting::vehicle);
   std::copy(mine + 1, all.end(), mine);
   --copy.waiting;
   recheck(copy);
-  state_.mode[i] &= static_cast<std::uint8_t>(~Mode::requests);
+  state_.mode[i] &= static_cast<std::uint8_t>(~Mode::requesting);
 }
 
 void CrossingGrants::release(std::uint32_t i) {
@@ -245,7 +245,7 @@ std::uint32_t CrossingGrants::blocker_of(std::uint32_t i) const {
   const double gap_m = leaders_.gap_m(i);
   constexpr double near_m = 0.05;
   if (leader != i && gap_m < aiv::clearance_m + near_m) return leader;
-  if ((state_.mode[i] & Mode::requests) == 0) return i;
+  if ((state_.mode[i] & Mode::requesting) == 0) return i;
   const Ground::Chain& chain = ground_.chain(state_.own[i].line_chain);
   const auto leaves = ground_.leaves_of(chain);
   const CrossingState* const here =

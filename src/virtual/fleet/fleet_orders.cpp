@@ -106,7 +106,7 @@ void FleetOrders::follow_anew(std::uint32_t i) {
   const bool is_at_end = state_.v_mps[i] == 0.0 && state_.s_m[i] == ground_.length_m(state_.section[i]);
   if (numbers_.has_turns && is_at_end && state_.goal_at[i] > state_.s_m[i] && (state_.mode[i] & Mode::turning) == 0)
     changes_.begin_turn(i);
-  if ((state_.mode[i] & Mode::requests) == 0 || state_.own[i].line_chain == requested_for) return;
+  if ((state_.mode[i] & Mode::requesting) == 0 || state_.own[i].line_chain == requested_for) return;
   grants_.withdraw(i);
 }
 

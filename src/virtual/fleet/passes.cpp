@@ -440,7 +440,7 @@ COSIVA_VECTOR_CLONES void move_on(const Motion& motion, const Numbers& numbers, 
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint8_t is_on = (mode[k] & (Mode::turning | Mode::commanded)) != 0 ? Event::goes_on : 0;
     // A vehicle that has requested its next line needs no further event for this.
-    const std::uint8_t old = (mode[k] & Mode::requests) != 0 ? Event::nears : 0;
+    const std::uint8_t old = (mode[k] & Mode::requesting) != 0 ? Event::nears : 0;
     const std::uint8_t waits = (mode[k] & (Mode::turning | Mode::at_goal)) == 0 ? event[k] >> 7U : 0;
     stopped[k] = waits;
     event[k] = static_cast<std::uint8_t>((event[k] & 0x7F & ~old) | is_on);

@@ -54,7 +54,7 @@ void SectionChanges::handle_events(Block& block, std::uint32_t i) {
   } else if ((event & Event::halted) != 0 && state_.s_m[i] == ground_.length_m(state_.section[i]) && !at_goal) {
     if (numbers_.has_turns) begin_turn(i);
   }
-  if ((event & Event::nears) != 0 && state_.line_at[i] < far_m && (state_.mode[i] & Mode::requests) == 0)
+  if ((event & Event::nears) != 0 && state_.line_at[i] < far_m && (state_.mode[i] & Mode::requesting) == 0)
     grants_.request(block, i);
 }
 

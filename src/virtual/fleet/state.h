@@ -22,12 +22,12 @@ template <typename T>
 
 /// The state of a vehicle besides driving.
 enum Mode : std::uint8_t {
-  turning = 1U << 0U,    ///< on the spot, at the end of its section
-  sent = 1U << 1U,       ///< the vehicle has a goal
-  at_goal = 1U << 2U,    ///< and is stopped there
-  commanded = 1U << 3U,  ///< sent to its present position: the vehicle arrives in the next step
-  requests = 1U << 4U,   ///< is in its copy's queue
-  absent = 1U << 5U,     ///< not in the zone
+  turning = 1U << 0U,     ///< on the spot, at the end of its section
+  sent = 1U << 1U,        ///< the vehicle has a goal
+  at_goal = 1U << 2U,     ///< and is stopped there
+  commanded = 1U << 3U,   ///< sent to its present position: the vehicle arrives in the next step
+  requesting = 1U << 4U,  ///< is in its copy's queue
+  absent = 1U << 5U,      ///< not in the zone
 };
 
 /// Events found by a pass over the vehicles, which need more than arithmetic.
