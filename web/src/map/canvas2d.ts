@@ -144,10 +144,10 @@ export class Canvas2dRenderer implements Renderer {
     const c = Math.cos(heading);
     const s = -Math.sin(heading);
     this.pose(px, py, c, s);
-    context.fillStyle = lost ? colours.ground : tint;
+    context.fillStyle = lost ? colours.ground : augmented ? colours.virtual : tint;
     context.fill(this.outline_path);
     context.lineWidth = augmented ? Math.max(2.4, 0.15 * body.half_width) : lost ? 1.6 : 1;
-    context.strokeStyle = augmented ? colours.virtual : lost ? tint : colours.ground;
+    context.strokeStyle = augmented || lost ? tint : colours.ground;
     context.stroke(this.outline_path);
     context.fillStyle = (flags & flag_blocked) !== 0 ? colours.alarm : lost ? tint : colours.on_state;
     context.fill(this.nose_path);

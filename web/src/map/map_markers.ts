@@ -1,7 +1,7 @@
 // The 2D overlay above the map: numbers, names, holders of crossings, and the sketch of the active tool. The number of labels
 // is limited to what can be read.
 import type { Point, Primitive, GroundTruth, Zone } from '../live/contract';
-import { kind_aiv, flag_augmented, flags_kind_mask, flags_status_shift } from '../live/frames';
+import { kind_aiv, flags_kind_mask, flags_status_shift } from '../live/frames';
 import { context_2d, resize_canvas } from './canvas';
 import { distance, nearest_on_tracks } from './geometry';
 import type { MapIndex } from './hit_index';
@@ -126,7 +126,7 @@ export class Markers {
         const reach = Math.max(index.radius(positions.handle[i]!) * view.scale, 6);
         const age_s = entry.kind === 'detected' ? Math.max(0, Math.round((marked.server_ms - entry.obstacle.last_ms) / 1000)) : 0;
         const text = entry.kind === 'detected' ? `${entry.id} · detected ${age_s < 1 ? 'now' : age_s < 120 ? `${age_s} s ago` : `${Math.round(age_s / 60)} min ago`}` : entry.id;
-        this.word(text, px, py - reach - 9, (flags & flag_augmented) !== 0 ? colours.virtual : colours.ink, colours);
+        this.word(text, px, py - reach - 9, colours.ink, colours);
       }
     }
   }

@@ -63,7 +63,6 @@ export interface Colours {
   select: string;
   alarm: string;
   virtual: string;
-  on_virtual: string;
   person: string;
   obstacle: string;
   estimate: string;
@@ -74,7 +73,7 @@ export interface Colours {
 const names: Readonly<Record<keyof Omit<Colours, 'states'>, string>> = {
   ground: '--ground', road: '--road', road_edge: '--road-edge', line: '--road-line', arc: '--road-arc', clothoid: '--road-clothoid', charger: '--charger', crossing: '--crossing', held: '--held',
   tag: '--tag', beacon: '--beacon', label: '--map-label', ink: '--ink', panel: '--panel', on_state: '--on-state', select: '--accent', alarm: '--alarm',
-  virtual: '--augmented', on_virtual: '--on-augmented', person: '--person', obstacle: '--obstacle', estimate: '--estimate', ground_truth: '--ground-truth',
+  virtual: '--orange', person: '--person', obstacle: '--obstacle', estimate: '--estimate', ground_truth: '--ground-truth',
 };
 
 /** The states in the order of the status field of the binary frames. */

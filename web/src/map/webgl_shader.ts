@@ -90,8 +90,8 @@ void main() {
   bool lost = state == 5;
   bool augmented = (flags & 4) != 0;
   float alpha = a_style.w * u_dim;
-  v_fill = vec4(lost ? u_ground : a_colour.rgb, alpha);
-  v_edge = vec4(augmented ? u_virtual : lost ? a_colour.rgb : u_ground, augmented ? max(2.4 * u_ratio, 0.15 * u_half.y) : lost ? 1.6 * u_ratio : u_ratio);
+  v_fill = vec4(lost ? u_ground : augmented ? u_virtual : a_colour.rgb, alpha);
+  v_edge = vec4(augmented || lost ? a_colour.rgb : u_ground, augmented ? max(2.4 * u_ratio, 0.15 * u_half.y) : lost ? 1.6 * u_ratio : u_ratio);
   v_nose = (flags & 8) != 0 ? u_alarm : lost ? a_colour.rgb : u_on_state;
 #ifdef SHAPED
   v_shape = a_extra;
