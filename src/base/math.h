@@ -27,6 +27,6 @@ struct SinCos {
 [[nodiscard]] inline double norm(double x, double y) noexcept { return std::sqrt(x * x + y * y); }
 
 /// The same angle in (−π, π].
-[[nodiscard]] double wrap_angle(double angle_rad) noexcept;
+[[nodiscard, gnu::const]] double wrap_angle(double angle_rad) noexcept;
 
 }  // namespace cosiva

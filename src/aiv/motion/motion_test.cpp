@@ -6,14 +6,22 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "cosiva/aiv/testing/test_graphs.h"
 #include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/base/math.h"
+#include "cosiva/zone/testing/test_shapes.h"
 
 namespace cosiva::aiv {
 namespace {
 
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using Event = TravelDir::Event;
 using State = TravelDir::State;
 using test::lay;
@@ -188,6 +196,85 @@ TEST(Motion, agrees_with_nextAIVposition_of_the_section) {
   }));
 }
 
+// --- the requests of figure 11 ------------------------------------------------------------------------------------
+
+using Request = zone::test::CountingArc::Request;
+
+/// Three straight sections of 1 m, 0.5 m and 1 m, each a double that counts its requests.
+struct Counted {
+  std::vector<std::shared_ptr<const zone::test::CountingArc>> arcs;
+  zone::Circuit circuit{make()};
+
+  zone::Circuit make() {
+    std::vector<zone::Circuit::Part> parts;
+    Pose2 start;
+    for (const double length_m : {1.0, 0.5, 1.0}) {
+      arcs.push_back(std::make_shared<const zone::test::CountingArc>(length_m, 0.0));
+      const auto id = static_cast<zone::SectionId>(parts.size());
+      parts.push_back(
+          {"s" + std::to_string(id), zone::Section::make(start, arcs.back()).value(), std::nullopt, {id + 1}});
+      start = parts.back().section.end();
+    }
+    parts.back().next.clear();
+    return zone::Circuit::make("counted", std::move(parts)).value();
+  }
+};
+
+TEST(MotionRequests, are_made_to_the_current_section_once_and_to_each_next_one_until_DT_is_DTT) {
+  const Counted counted;
+  AivMotion aiv{counted.circuit, {0, 0.5}};
+  EXPECT_EQ(aiv.move(counted.circuit, 0.25), 0.25);
+  EXPECT_THAT(counted.arcs[0]->requests, ElementsAre(Request{0.5, 0.25, false}));
+  counted.arcs[0]->requests.clear();
+  EXPECT_EQ(aiv.move(counted.circuit, 1.0), 1.0);
+  EXPECT_EQ(aiv.current_section(), 2U);
+  EXPECT_EQ(aiv.mDTCS_m(), 0.25);
+  // The first one is requested a second time because the usual move expects that one section suffices.
+  EXPECT_THAT(counted.arcs[0]->requests, Each(Request{0.75, 1.0, false}));
+  EXPECT_THAT(counted.arcs[1]->requests, ElementsAre(Request{0.0, 0.75, false}));
+  EXPECT_THAT(counted.arcs[2]->requests, ElementsAre(Request{0.0, 0.25, false}));
+}
+
+TEST(MotionRequests, are_made_in_indirect_direction_as_well) {
+  const Counted counted;
+  AivMotion aiv{counted.circuit, {2, 0.25}, TravelDir::indirect()};
+  EXPECT_EQ(aiv.move(counted.circuit, 1.0), 1.0);
+  EXPECT_EQ(aiv.track_position(counted.circuit), (zone::TrackPosition{0, 0.75}));
+  EXPECT_THAT(counted.arcs[2]->requests, Each(Request{0.75, 1.0, true}));
+  EXPECT_THAT(counted.arcs[1]->requests, ElementsAre(Request{0.0, 0.75, true}));
+  EXPECT_THAT(counted.arcs[0]->requests, ElementsAre(Request{0.0, 0.25, true}));
+}
+
+TEST(MotionRequests, are_made_to_the_sections_of_a_course) {
+  const Counted counted;
+  AivMotion aiv{counted.circuit, {0, 0.5}};
+  const std::vector<zone::SectionId> past_the_second{2};
+  EXPECT_EQ(aiv.shift(counted.circuit, 0.75, past_the_second), 0.75);
+  EXPECT_EQ(aiv.current_section(), 2U);
+  EXPECT_THAT(counted.arcs[1]->requests, IsEmpty());
+  EXPECT_EQ(counted.arcs[2]->requests.size(), 1U);
+  EXPECT_EQ(aiv.shift(counted.circuit, -0.5, {}, std::vector<zone::SectionId>{0}), -0.5);
+  EXPECT_EQ(aiv.track_position(counted.circuit), (zone::TrackPosition{0, 0.75}));
+  EXPECT_THAT(counted.arcs[0]->requests, Contains(Request{0.0, 0.25, true}));
+  EXPECT_TRUE(aiv.direction().is_direct());
+}
+
+TEST(MotionRequests, give_their_responses_in_the_order_of_the_sections) {
+  const Counted counted;
+  AivMotion aiv{counted.circuit, {0, 0.5}};
+  std::vector<SectionResponse> responses;
+  aiv.travel(
+      counted.circuit, 5.0, [&](zone::SectionId here) { return aiv.direction().next_section(counted.circuit, here); },
+      [&](const SectionResponse& response) { responses.push_back(response); });
+  ASSERT_EQ(responses.size(), 3U);
+  EXPECT_EQ(responses[0].next.DT_m, 0.5);
+  EXPECT_EQ(responses[1].DTT_m, 4.5);
+  EXPECT_EQ(responses[2].section, 2U);
+  EXPECT_EQ(responses[2].next.DT_m, 1.0);
+  EXPECT_NEAR(responses[2].next.pose.x_m, 2.5, 1e-12);
+  EXPECT_EQ(aiv.mDTCS_m(), 1.0) << "a dead end";
+}
+
 // --- properties ---------------------------------------------------------------------------------------------------
 
 TEST(Motion, returns_to_its_start_after_a_lap_of_any_sections_in_any_steps) {
@@ -350,7 +437,7 @@ TEST(MotionDeathTest, needs_a_section_of_the_circuit_and_a_distance_from_zero_to
   const auto circuit = stadium();
   EXPECT_DEATH(static_cast<void>(AivMotion{circuit, {4, 0.0}}), "position.section < circuit.size");
   AivMotion aiv{circuit, {0, 0.5}};
-  EXPECT_DEATH(aiv.move(circuit, -0.1), "DTT_m >= 0.0");
+  EXPECT_DEATH(aiv.move(circuit, -0.1), "min.DTT_m, mDTCS_m. >= 0.0");
   EXPECT_DEATH(aiv.move(circuit, 1.1e9), "DTT_m_max");
 }
 

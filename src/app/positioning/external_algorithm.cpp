@@ -33,10 +33,22 @@ void write_track(JsonWriter& json, const estimation::Track& track) {
   json.key("sections").begin_array();
   for (double s = 0.0; s < track.length_m() - 1e-9;) {
     const zone::Section& section = track.circuit().section(track.position_at(s + 1e-9).section);
-    json.begin_object().field("x_m", section.start().x_m).field("y_m", section.start().y_m);
-    json.field("heading_rad", section.start().heading_rad).field("length_m", section.length_m());
-    json.field("curvature_per_m", section.curvature_at(0.0));
-    json.field("curvature_rate_per_m2", section.curvature_rate_per_m2()).end_object();
+    // A shape is given in pieces, each with a curvature that is nearly linear.
+    constexpr double piece_rad = 0.02;
+    const double pieces = section.shape()
+                              ? std::max(1.0, std::ceil(section.curvature_max_per_m() * section.length_m() / piece_rad))
+                              : 1.0;
+    const double piece_m = section.length_m() / pieces;
+    for (double i = 0.0; i < pieces; i += 1.0) {
+      const Pose2 start = section.pose_at(i * piece_m);
+      const double curvature_per_m = section.curvature_at(i * piece_m);
+      const double rate_per_m2 = section.shape()
+                                     ? (section.curvature_at((i + 1.0) * piece_m) - curvature_per_m) / piece_m
+                                     : section.curvature_rate_per_m2();
+      json.begin_object().field("x_m", start.x_m).field("y_m", start.y_m).field("heading_rad", start.heading_rad);
+      json.field("length_m", piece_m).field("curvature_per_m", curvature_per_m);
+      json.field("curvature_rate_per_m2", rate_per_m2).end_object();
+    }
     s += section.length_m();
   }
   json.end_array().end_object();

@@ -1,11 +1,14 @@
 #include "cosiva/virtual/simulator/simulator.h"
 
+#include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/zone/edit/edit.h"
+#include "cosiva/zone/layout/rounding.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -15,6 +18,58 @@ Simulator::Drawing drawing_of(const zone::TrafficZone& zone, const std::vector<z
   zone::write_json(json, zone, primitives);
   return {json.take(), zone::bounds(primitives)};
 }
+
+// The content of each response of figure 8; an RTM that is initialised does not respond.
+std::string content_of(const zone::CircuitFactory& factory) { return std::string(factory.format()); }
+std::string content_of(const zone::DrawableCircuit& circuit) {
+  const zone::TrafficZone& zone = *circuit.zone();
+  return zone.name + ": " + std::to_string(zone.circuit.size()) + " sections, " +
+         std::to_string(zone.crossings.size()) + " crossings, " + std::to_string(zone.tags.size()) + " tags";
+}
+std::string content_of(const std::vector<zone::Primitive>& drawing) {
+  return std::to_string(drawing.size()) + " primitives";
+}
+
+/// The request to one section, and its response, by which the AIV moves (figure 11).
+void trace_move(const zone::Circuit& circuit, const std::string& id, const aiv::SectionResponse& response,
+                const Simulator::Step& step) {
+  const std::string on = id + " on " + circuit.part(response.section).name + " ";
+  const auto [pose, DT_m] = response.next;
+  step("Simulator", "Circuit", "nextAIVposition",
+       on + zone::metres_text(response.mDTCS_m) + " m: " + zone::metres_text(response.DTT_m) + " m to travel");
+  step("Circuit", "Simulator", "position",
+       on + zone::metres_text(response.mDTCS_m + DT_m) + " m: " + zone::metres_text(DT_m) + " m travelled to " +
+           zone::metres_text(pose.x_m) + ", " + zone::metres_text(pose.y_m));
+}
+
+/// The simulator's requests to other components, each traced with its response because it is made.
+class Requests {
+ public:
+  explicit Requests(const Simulator::Step& step) : step_{step} {}
+
+  /// @param call  the request itself. Returns its result
+  template <typename Call>
+  std::invoke_result_t<Call> make(std::string_view to, std::string_view kind, std::string_view content,
+                                  const Call& call) const {
+    step_("Simulator", to, kind, content);
+    decltype(auto) result = call();
+    respond(to, kind, result);
+    return result;
+  }
+
+ private:
+  template <typename Value>
+  void respond(std::string_view from, std::string_view kind, const Result<std::shared_ptr<const Value>>& result) const {
+    if (!result) return step_(from, "Simulator", "refused", to_string(result.error()));
+    if constexpr (!std::is_same_v<Value, zone::Rtm>) respond(from, kind, **result);
+  }
+  template <typename Value>
+  void respond(std::string_view from, std::string_view kind, const Value& value) const {
+    step_(from, "Simulator", kind, content_of(value));
+  }
+
+  const Simulator::Step& step_;
+};
 
 }  // namespace
 
@@ -26,24 +81,18 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
   step(
       "AIV_Server", "Simulator", "zoneConfiguration",
       configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes, from " + configuration.origin);
-  step("Simulator", "RTM", "initialise", configuration.origin);
-  auto built = build(configuration);
-  if (!built) {
-    step("RTM", "Simulator", "refused", to_string(built.error()));
-    return tl::unexpected<Error>(std::move(built.error()));
-  }
+  const Requests requests{step};
+  auto built = requests.make("RTM", "initialise", configuration.origin, [&] { return build(configuration); });
+  if (!built) return tl::unexpected<Error>(std::move(built.error()));
   const zone::Rtm& rtm = **built;
-  const zone::TrafficZone& made = rtm.zone();
-  step("Simulator", "RTM", "circuitFactory", "requests the circuit factory");
-  step("RTM", "Simulator", "circuitFactory", rtm.circuit_factory().format());
-  step("Simulator", "CircuitFactory", "circuit", "requests the circuit");
-  step("CircuitFactory", "Simulator", "circuit",
-       made.name + ": " + std::to_string(made.circuit.size()) + " sections, " + std::to_string(made.crossings.size()) +
-           " crossings, " + std::to_string(made.tags.size()) + " tags");
-  step("Simulator", "Circuit", "draw", "requests the drawing");
-  const std::vector<zone::Primitive> primitives = zone::draw(made);
+  const zone::CircuitFactory& factory = requests.make(
+      "RTM", "circuitFactory", "requests the circuit factory", [&]() -> auto& { return rtm.circuit_factory(); });
+  const auto drawable = requests.make("CircuitFactory", "circuit", "requests the circuit",
+                                      [&] { return factory.make_circuit(rtm.configuration()); });
+  if (!drawable) return tl::unexpected<Error>(drawable.error());
+  const zone::TrafficZone& made = *(*drawable)->zone();
+  const auto primitives = requests.make("Circuit", "draw", "requests the drawing", [&] { return (*drawable)->draw(); });
   Drawing drawing = drawing_of(made, primitives);
-  step("Circuit", "Simulator", "draw", std::to_string(primitives.size()) + " primitives");
 
   const bool drive_on = zone_ != nullptr && zone::same_geometry(*zone_, made);
   if (!drive_on) {
@@ -53,7 +102,7 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
     detected_.clear();
   }
   drawing_ = std::move(drawing);
-  zone_ = rtm.shared_zone();
+  zone_ = (*drawable)->zone();
   rtm_ = std::move(*built);
   ++zone_revision_;
   return drive_on ? Reception::same_geometry : Reception::new_zone;
@@ -86,8 +135,11 @@ void Simulator::reappear(TwinId twin, SimDuration extrapolate_max, const Step& s
   divergences_m_[twin] = 0.0;
 }
 
-void Simulator::report(TwinId twin, SimTime now, const MotionReport& report) {
-  const auto divergence = twins_[twin].report(circuit(), now, report);
+void Simulator::report(TwinId twin, SimTime now, const MotionReport& report, const Step& step) {
+  const auto trace = [&](const aiv::SectionResponse& response) {
+    trace_move(*circuit(), twins_[twin].id(), response, step);
+  };
+  const auto divergence = twins_[twin].report(circuit(), now, report, step ? Twin::OnMove{trace} : Twin::OnMove{});
   if (!divergence) return;
   divergences_m_[twin] = divergence->m;
   if (entities_[twin]) monitor_.divergence(*entities_[twin], divergence->m, divergence->rad);

@@ -62,8 +62,9 @@ class Simulator {
   void disappear(TwinId twin, const Step& step);
   /// An AIV that was removed or has left returns under its name, without any earlier report.
   void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
-  /// The position that the vehicle itself reports. Updates the monitor.
-  void report(TwinId twin, SimTime now, const MotionReport& report);
+  /// The position that the vehicle itself reports. Updates the monitor. The requests to the sections by which the twin
+  /// moves to another section are steps (figure 11).
+  void report(TwinId twin, SimTime now, const MotionReport& report, const Step& step = {});
   void set_base_end(TwinId twin, std::optional<zone::TrackPosition> end);
   /// The sections that the vehicle will take.
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }

@@ -155,7 +155,30 @@ void Twin::take_speed(const MotionReport& report) {
   speed_mps_ = taken.vy_mps == 0.0 ? std::fabs(*taken.vx_mps) : norm(*taken.vx_mps, taken.vy_mps);
 }
 
-std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTime now, const MotionReport& report) {
+/// From one report to the next the twin moves as an AIV does: each section on the path responds to nextAIVposition.
+/// What a report states is then its position, whatever it moved by.
+void Twin::move_to(const zone::Circuit& circuit, zone::TrackPosition position, const OnMove& on_move) {
+  constexpr double apart_m_max = 20.0;
+  const zone::TrackPosition from = position_;
+  const auto route = remaining(from.section);
+  const auto distance_m = on_move && on_circuit_ && from.section != position.section
+                              ? circuit.distance_ahead(from, position, apart_m_max, route)
+                              : std::nullopt;
+  if (distance_m) {
+    aiv::AivMotion motion{circuit, from};
+    std::size_t step = 0;
+    motion.travel(
+        circuit, *distance_m,
+        [&](zone::SectionId here) {
+          return step < route.size() ? route[step++] : motion.direction().next_section(circuit, here);
+        },
+        on_move);
+  }
+  motion_ = aiv::AivMotion(circuit, position);
+}
+
+std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTime now, const MotionReport& report,
+                                             const OnMove& on_move) {
   std::optional<Divergence> divergence;
   Image shown{};
   if (reported_) {
@@ -178,12 +201,12 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     const SinCos off = sincos(heading_off);
     // Across a section the motion cannot be extrapolated along it; backwards along it, it can.
     on = report.on_map && located.distance_m <= circuit_within_m && (std::fabs(off.cos) >= 0.5 || speed_mps_ < 0.01);
+    if (on) move_to(*circuit, located.position, on_move);
     position_ = located.position;
     off_m_ = located.distance_m;
     left_m_ = located.left_m;
     heading_off_rad_ = heading_off;
     along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
-    if (on) motion_ = aiv::AivMotion(*circuit, located.position);
     follow_course(*circuit);
   }
   on_circuit_ = on;

@@ -53,7 +53,10 @@ class Twin {
   /// Processes a report. Returns the distance of the twin's prediction for `report.at` from the report; nothing for the
   /// first report. @param circuit  nullptr while there is no zone
   /// @param now      time of arrival: the correction starts here; report.at ≤ now
-  std::optional<Divergence> report(const zone::Circuit* circuit, SimTime now, const MotionReport& report);
+  /// @param on_move  called with each response of a section while the twin moves to its next section (figure 11)
+  using OnMove = std::function<void(const aiv::SectionResponse&)>;
+  std::optional<Divergence> report(const zone::Circuit* circuit, SimTime now, const MotionReport& report,
+                                   const OnMove& on_move = {});
 
   /// The end of the vehicle's base; nothing: not known. The twin is never extrapolated beyond. Valid until the next
   /// call.
@@ -97,6 +100,7 @@ class Twin {
   [[nodiscard]] double correction_ratio(SimTime time) const;
   [[nodiscard]] zone::Circuit::Located locate(const zone::Circuit& circuit, const Pose2& X_MB) const;
   void take_speed(const MotionReport& report);
+  void move_to(const zone::Circuit& circuit, zone::TrackPosition position, const OnMove& on_move);
   void correct_from(const zone::Circuit* circuit, const Image& shown);
   void follow_course(const zone::Circuit& circuit);
   void measure_base(const zone::Circuit& circuit);

@@ -43,10 +43,10 @@ PoseTable::PoseTable(const Circuit& circuit) : circuit_{&circuit} {
   for (SectionId id = 0; id < circuit.size(); ++id) {
     const Section& section = circuit.section(id);
     const Pose2& start = section.start();
-    const double curvature = section.curvature_at(0.0);
-    const bool is_straight = curvature == 0.0 && section.curvature_rate_per_m2() == 0.0;
-    const bool is_special =
-        section.curvature_rate_per_m2() != 0.0 || (!is_straight && curvature < flat_per_m && curvature > -flat_per_m);
+    const double curvature = section.shape() ? 0.0 : section.curvature_at(0.0);
+    const bool is_straight = section.kind() == SectionKind::straight;
+    const bool is_arc = section.kind() == SectionKind::arc;
+    const bool is_special = !is_straight && !(is_arc && (curvature >= flat_per_m || curvature <= -flat_per_m));
     const double radius_m = is_straight || is_special ? 0.0 : 1.0 / curvature;
     const auto [sin, cos] = sincos(start.heading_rad);
     const double row[stride] = {start.x_m - radius_m * sin, start.y_m + radius_m * cos, radius_m, start.heading_rad,

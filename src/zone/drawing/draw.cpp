@@ -100,7 +100,7 @@ class Painter {
       add(Shape::polyline, "road", traces[id], sizes_.road_m, zone_.circuit.part(id).name);
     for (SectionId id = 0; id < traces.size(); ++id) {
       add(Shape::polyline, "line", std::move(traces[id]), sizes_.line_m, {}, 0.0,
-          std::string(to_string(zone_.circuit.section(id).kind())));
+          std::string(kind_name(zone_.circuit.section(id))));
     }
   }
 

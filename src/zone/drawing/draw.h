@@ -1,26 +1,13 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/pose.h"
+#include "cosiva/zone/layout/drawable_circuit.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone {
-
-/// Shapes that a display can draw without interpreting them (A19): on named layers, in map metres.
-struct Primitive {
-  enum class Shape { polyline, polygon, disc, text };
-  Shape shape;
-  /// "road", "line", "crossing", "pivot", "tag", "beacon", "station", "section" (names and arrows), "label"
-  std::string layer;
-  std::vector<Point2> points;
-  double size_m{};    ///< stroke width, disc radius or text height
-  std::string label;  ///< text to draw or to show on hover; may be empty
-  double heading_rad{};
-  std::string kind{};  ///< of a layer with several kinds: "straight", "arc", "clothoid"; "stop", "charger"; else empty
-};
 
 /// The drawing of a zone: road bands, centre lines, crossings, tags, beacons, stations, pivots; curves to within 0.5
 /// mm. In a zone so large that names would be illegible they are left out, and its curves are as fine as some hundred

@@ -113,8 +113,8 @@ bool same_section(const Circuit::Part& a, const Circuit::Part& b) {
   return a.name == b.name && a.section.start() == b.section.start() && length_m == b.section.length_m() &&
          a.section.curvature_at(0.0) == b.section.curvature_at(0.0) &&
          a.section.curvature_at(length_m) == b.section.curvature_at(length_m) && a.speed_mps_max == b.speed_mps_max &&
-         a.section.curvature_rate_per_m2() == b.section.curvature_rate_per_m2() && a.next == b.next &&
-         a.pivots == b.pivots;
+         a.section.curvature_rate_per_m2() == b.section.curvature_rate_per_m2() &&
+         same_shape(a.section.shape().get(), b.section.shape().get()) && a.next == b.next && a.pivots == b.pivots;
 }
 
 bool same_profile(const SpeedProfile& a, const SpeedProfile& b) {

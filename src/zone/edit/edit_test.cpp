@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/testing/test_edit_files.h"
 #include "cosiva/zone/testing/test_zones.h"
 
@@ -226,6 +227,9 @@ TEST(ZoneEdit, is_refused_by_a_format_that_cannot_express_it) {
     std::string_view format() const override { return "rigid"; }
     std::vector<std::string_view> file_endings() const override { return {".rigid"}; }
     Result<TrafficZone> make_zone(const ZoneConfiguration&) const override { return testing::lacet4(); }
+    Result<std::shared_ptr<const DrawableCircuit>> make_circuit(const ZoneConfiguration& configuration) const override {
+      return circuit_of(make_zone(configuration));
+    }
   };
   const auto result = Rigid{}.edited({"rigid", "x", ""}, {});
   ASSERT_FALSE(result);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <initializer_list>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "cosiva/base/expect.h"
 
@@ -23,6 +25,36 @@ constexpr double arc_turn_min_rad = 0.05;
 
 double dot(const SinCos& direction, double x, double y) { return direction.cos * x + direction.sin * y; }
 
+bool all_finite(std::initializer_list<double> numbers) {
+  return std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+}
+
+/// Beyond 1e6 rad the sine's own accuracy ends; such a heading is a mistake.
+Result<void> check_heading(const Pose2& start) {
+  if (std::fabs(start.heading_rad) > 1e6) return fail("section.invalid", "a section's heading is beyond 1e6 rad");
+  return {};
+}
+
+/// So that each piece turns by at most piece_turn_max_rad.
+std::size_t pieces_needed(double turn_rad) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(turn_rad / piece_turn_max_rad)));
+}
+
+Section::Nearest at_arc_length(const Section& section, Point2 p, double s_m) {
+  const Pose2 pose = section.pose_at(s_m);
+  const SinCos direction = sincos(pose.heading_rad);
+  const double x = p.x_m - pose.x_m;
+  const double y = p.y_m - pose.y_m;
+  return {s_m, direction.cos * y - direction.sin * x, norm(x, y)};
+}
+
+/// X_MP of X_SP, in the frame of the start.
+Pose2 in_map(const Pose2& X_MS, const SinCos& direction, const Pose2& X_SP) {
+  return {X_MS.x_m + direction.cos * X_SP.x_m - direction.sin * X_SP.y_m,
+          X_MS.y_m + direction.sin * X_SP.x_m + direction.cos * X_SP.y_m,
+          wrap_angle(X_MS.heading_rad + X_SP.heading_rad)};
+}
+
 /// ∫|κ| ds of a curvature that is linear from one end to the other.
 double turned_rad(double curvature_start, double curvature_end, double length_m) {
   const double a = std::fabs(curvature_start);
@@ -38,6 +70,7 @@ std::string_view to_string(SectionKind kind) {
     case SectionKind::straight: return "straight";
     case SectionKind::arc: return "arc";
     case SectionKind::clothoid: return "clothoid";
+    case SectionKind::shaped: return "shaped";
   }
   return "unknown";
 }
@@ -50,12 +83,9 @@ double distance(const Box& box, Point2 p) noexcept {
 
 Result<Section> Section::make(const Pose2& start, double length_m, double curvature_per_m,
                               double curvature_rate_per_m2) {
-  for (const double number :
-       {start.x_m, start.y_m, start.heading_rad, length_m, curvature_per_m, curvature_rate_per_m2}) {
-    if (!std::isfinite(number)) return fail("section.invalid", "a section's numbers must be finite");
-  }
-  // Beyond 1e6 rad the sine's own accuracy ends; such a heading is a mistake.
-  if (std::fabs(start.heading_rad) > 1e6) return fail("section.invalid", "a section's heading is beyond 1e6 rad");
+  if (!all_finite({start.x_m, start.y_m, start.heading_rad, length_m, curvature_per_m, curvature_rate_per_m2}))
+    return fail("section.invalid", "a section's numbers must be finite");
+  if (auto checked = check_heading(start); !checked) return tl::unexpected(std::move(checked).error());
   if (length_m < length_min_m || length_m > length_max_m) {
     return fail("section.invalid",
                 "a section's length must be from 0.000001 to 100000 m, not " + std::to_string(length_m) + " m");
@@ -68,26 +98,47 @@ Result<Section> Section::make(const Pose2& start, double length_m, double curvat
 
   Section section;
   section.start_ = {start.x_m, start.y_m, wrap_angle(start.heading_rad)};
-  section.direction_ = sincos(section.start_.heading_rad);
   section.length_m_ = length_m;
   section.curvature_per_m_ = curvature_per_m;
   section.curvature_rate_per_m2_ = curvature_rate_per_m2;
-  if (section.kind() != SectionKind::straight) section.lay_pieces();
-  section.end_ = section.pose_at(length_m);
-  section.find_box();
+  section.finish();
   return section;
 }
 
+Result<Section> Section::make(const Pose2& start, std::shared_ptr<const SectionShape> shape) {
+  COSIVA_EXPECT(shape != nullptr);
+  if (!all_finite({start.x_m, start.y_m, start.heading_rad}))
+    return fail("section.invalid", "a section's numbers must be finite");
+  if (auto checked = check_heading(start); !checked) return tl::unexpected(std::move(checked).error());
+  if (auto checked = check_shape(*shape); !checked) return tl::unexpected(std::move(checked).error());
+  Section section;
+  section.start_ = {start.x_m, start.y_m, wrap_angle(start.heading_rad)};
+  section.length_m_ = shape->length_m();
+  section.shape_ = std::move(shape);
+  section.finish();
+  return section;
+}
+
+Pose2 Section::shaped_pose_at(double s_m) const { return in_map(start_, direction_, shape_->pose_at(s_m)); }
+
+NextPosition Section::shaped_next(double mDTCS_m, double DTT_m, bool indirect) const {
+  const auto [X_SP, DT_m] = shape_->nextAIVposition(mDTCS_m, DTT_m, indirect);
+  return {in_map(start_, direction_, X_SP), std::clamp(DT_m, 0.0, DTT_m)};
+}
+
 SectionKind Section::kind() const {
+  if (shape_) return SectionKind::shaped;
   if (curvature_rate_per_m2_ != 0.0) return SectionKind::clothoid;
   return curvature_per_m_ != 0.0 ? SectionKind::arc : SectionKind::straight;
 }
 
 double Section::curvature_at(double s_m) const {
+  if (shape_) return shape_->curvature_at(std::clamp(s_m, 0.0, length_m_));
   return curvature_per_m_ + curvature_rate_per_m2_ * std::clamp(s_m, 0.0, length_m_);
 }
 
 double Section::curvature_max_per_m() const {
+  if (shape_) return shape_->curvature_max_per_m();
   return std::max(std::fabs(curvature_per_m_), std::fabs(curvature_at(length_m_)));
 }
 
@@ -134,15 +185,11 @@ void Section::lay_pieces() {
   }
 }
 
-Section::NextPosition Section::nextAIVposition(double mDTCS_m, double DTT_m) const {
-  COSIVA_EXPECT(mDTCS_m >= 0.0 && DTT_m >= 0.0);
-  // The section conservation condition (A31): the rest of this section limits the part of DTT travelled on it.
-  const double left_m = std::max(length_m_ - mDTCS_m, 0.0);
-  if (DTT_m <= left_m) return {pose_at(mDTCS_m + DTT_m), DTT_m};
-  return {end_, left_m};
-}
+void Section::finish() {
+  direction_ = sincos(start_.heading_rad);
+  if (kind() != SectionKind::straight && !shape_) lay_pieces();
+  end_ = pose_at(length_m_);
 
-void Section::find_box() {
   box_ = {position(start_), position(start_)};
   const auto hold = [this](Point2 p, double margin_m) {
     box_.low.x_m = std::min(box_.low.x_m, p.x_m - margin_m);
@@ -150,21 +197,19 @@ void Section::find_box() {
     box_.high.x_m = std::max(box_.high.x_m, p.x_m + margin_m);
     box_.high.y_m = std::max(box_.high.y_m, p.y_m + margin_m);
   };
-  if (pieces_.empty()) return hold(position(end_), 0.0);
+  if (kind() == SectionKind::straight) return hold(position(end_), 0.0);
   // Between points h apart with a turn of at most 0.25 rad the curve strays at most 0.25·h/8 from its chord.
+  if (shape_) {
+    const double parts = std::max(1.0, std::ceil(curvature_max_per_m() * length_m_ / 0.25));
+    for (double i = 0.0; i <= parts; i += 1.0)
+      hold(position(pose_at(i == parts ? length_m_ : i * (length_m_ / parts))), length_m_ / parts * (0.25 / 8.0));
+    return;
+  }
   const double piece_m = 1.0 / pieces_per_m_;
   const double margin_m = 0.5 * piece_m * (0.25 / 8.0);
   for (const Piece& piece : pieces_) {
     for (const double u : {-0.5, 0.0, 0.5}) hold(piece.at(u * piece_m), margin_m);
   }
-}
-
-Section::Nearest Section::at_arc_length(Point2 p, double s_m) const {
-  const Pose2 pose = pose_at(s_m);
-  const SinCos direction = sincos(pose.heading_rad);
-  const double x = p.x_m - pose.x_m;
-  const double y = p.y_m - pose.y_m;
-  return {s_m, direction.cos * y - direction.sin * x, norm(x, y)};
 }
 
 Section::Nearest Section::nearest(Point2 p) const {
@@ -173,7 +218,8 @@ Section::Nearest Section::nearest(Point2 p) const {
     case SectionKind::arc:
       if (std::fabs(curvature_per_m_) * length_m_ > arc_turn_min_rad) return nearest_on_arc(p);
       break;
-    case SectionKind::clothoid: break;
+    case SectionKind::clothoid:
+    case SectionKind::shaped: break;
   }
   return nearest_by_search(p);
 }
@@ -206,8 +252,8 @@ Section::Nearest Section::nearest_on_arc(Point2 p) const {
     const double inward_m = std::fabs(radius_m) - norm(x, y);
     return {s, sign * inward_m, std::fabs(inward_m)};
   }
-  const Nearest at_start = at_arc_length(p, 0.0);
-  const Nearest at_end = at_arc_length(p, length_m_);
+  const Nearest at_start = at_arc_length(*this, p, 0.0);
+  const Nearest at_end = at_arc_length(*this, p, length_m_);
   return at_end.distance_m < at_start.distance_m ? at_end : at_start;
 }
 
@@ -225,7 +271,7 @@ double Section::polish(Point2 p, double s_m, double low_m, double high_m) const 
 /// Samples a quarter of a piece apart, then bisection helped by Newton around each sample at least as good as its
 /// neighbours.
 Section::Nearest Section::nearest_by_search(Point2 p) const {
-  const std::size_t count = 4 * pieces_.size();
+  const std::size_t count = 4 * (shape_ ? pieces_needed(curvature_max_per_m() * length_m_) : pieces_.size());
   const double step_m = length_m_ / static_cast<double>(count);
   const auto s_of = [&](std::size_t i) { return i == count ? length_m_ : static_cast<double>(i) * step_m; };
   const auto distance_of = [&](std::size_t i) { return distance(position_at(s_of(i)), p); };
@@ -234,7 +280,7 @@ Section::Nearest Section::nearest_by_search(Point2 p) const {
     return dot(sincos(pose.heading_rad), p.x_m - pose.x_m, p.y_m - pose.y_m);
   };
 
-  Nearest best = at_arc_length(p, 0.0);
+  Nearest best = at_arc_length(*this, p, 0.0);
   constexpr double beyond_m = std::numeric_limits<double>::infinity();  // there is no sample before the first
   double before_m = beyond_m;
   double here_m = best.distance_m;
@@ -254,15 +300,29 @@ Section::Nearest Section::nearest_by_search(Point2 p) const {
         (ahead_of(s) > 0.0 ? low : high) = s;
         if (moved_m < 1e-14 * (1.0 + length_m_)) break;
       }
-      const Nearest found = at_arc_length(p, s);
+      const Nearest found = at_arc_length(*this, p, s);
       if (found.distance_m < best.distance_m) best = found;
-      const Nearest sample = at_arc_length(p, s_of(i));
+      const Nearest sample = at_arc_length(*this, p, s_of(i));
       if (sample.distance_m < best.distance_m) best = sample;
     }
     before_m = here_m;
     here_m = after_m;
   }
   return best;
+}
+
+std::string_view kind_name(const Section& section) {
+  return section.shape() ? section.shape()->kind() : to_string(section.kind());
+}
+
+Section part_of(const Section& section, double from_m, double to_m) {
+  COSIVA_EXPECT(0.0 <= from_m && from_m < to_m && to_m <= section.length_m());
+  const Pose2 start = section.pose_at(from_m);
+  auto made = section.shape()
+                  ? Section::make(start, part_of_shape(section.shape(), from_m, to_m))
+                  : Section::make(start, to_m - from_m, section.curvature_at(from_m), section.curvature_rate_per_m2());
+  COSIVA_EXPECT(made.has_value());
+  return std::move(*made);
 }
 
 }  // namespace cosiva::zone

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/expect.h"
+#include "cosiva/base/math_inline.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
+#include "cosiva/zone/geometry/section_shape.h"
 
 namespace cosiva::zone {
 
@@ -20,12 +24,13 @@ struct Box {
 /// Distance of p from the box; 0 inside.
 [[nodiscard]] double distance(const Box& box, Point2 p) noexcept;
 
-enum class SectionKind { straight, arc, clothoid };
+enum class SectionKind { straight, arc, clothoid, shaped };
 [[nodiscard]] std::string_view to_string(SectionKind kind);
 
-/// A piece of circuit whose curvature is linear in arc length: κ(s) = κ₀ + κ₁·s, s ∈ [0, L].
-/// κ₁ = 0 is an arc, κ₀ = κ₁ = 0 a straight line; the article's equations (1) to (3) are its special cases (A29).
-/// Positions come from Taylor pieces computed once (≤ 0.5 rad each), so that pose_at costs two polynomials and no sine.
+/// A piece of circuit (A29), s ∈ [0, L] its arc length. Usually its curvature is linear in it: κ(s) = κ₀ + κ₁·s. κ₁ = 0
+/// is an arc, κ₀ = κ₁ = 0 a straight line; the article's equations (1) to (3) are its special cases. Positions come
+/// from Taylor pieces computed once (≤ 0.5 rad each), so that pose_at costs two polynomials and no sine. Any other
+/// curve is a SectionShape, which the section is placed along.
 class Section {
  public:
   /// @param start            X_MP at s = 0
@@ -36,8 +41,13 @@ class Section {
   [[nodiscard]] static Result<Section> make(const Pose2& start, double length_m, double curvature_per_m = 0.0,
                                             double curvature_rate_per_m2 = 0.0);
 
+  /// Of the given shape, from `start`. Fails with "section.invalid" as above, or as check_shape does.
+  [[nodiscard]] static Result<Section> make(const Pose2& start, std::shared_ptr<const SectionShape> shape);
+
   [[nodiscard]] double length_m() const { return length_m_; }
   [[nodiscard]] SectionKind kind() const;
+  /// Null unless the kind is `shaped`.
+  [[nodiscard]] const std::shared_ptr<const SectionShape>& shape() const { return shape_; }
   [[nodiscard]] const Pose2& start() const { return start_; }
   [[nodiscard]] const Pose2& end() const { return end_; }
 
@@ -49,16 +59,12 @@ class Section {
   /// The heading of pose_at(s), to the same bits, without computing the position.
   [[nodiscard]] double heading_at(double s_m) const;
   [[nodiscard]] double curvature_at(double s_m) const;
-  [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁
+  [[nodiscard]] double curvature_rate_per_m2() const { return curvature_rate_per_m2_; }  ///< κ₁; 0 of a shape
 
-  /// The article's request of an AIV to its current section (A30): from `mDTCS_m` travelled on this section, try to
-  /// travel `DTT_m` more. Gives the pose reached and DT, the distance that this section could take: DT < DTT when it
-  /// ends first (figure 14). Both distances in [0, ∞), in the direction of increasing s.
-  struct NextPosition {
-    Pose2 pose;
-    double DT_m;
-  };
-  [[nodiscard]] NextPosition nextAIVposition(double mDTCS_m, double DTT_m) const;
+  /// The article's request of an AIV to its current section (A30): from `mDTCS_m` ≥ 0 travelled on this section, try to
+  /// travel `DTT_m` ≥ 0 more. DT < DTT when the section ends first (figure 14). A vehicle in indirect direction (A32)
+  /// travels towards the start, and mDTCS counts from the end.
+  [[nodiscard]] NextPosition nextAIVposition(double mDTCS_m, double DTT_m, bool indirect = false) const;
 
   /// The point of this section nearest to p: its arc length, and the distance of p to the left of it (negative: right)
   /// there.
@@ -71,7 +77,7 @@ class Section {
 
   /// A box that holds the whole section, at most a few percent too large.
   [[nodiscard]] const Box& box() const { return box_; }
-  /// The greatest |curvature|, at one of the ends.
+  /// The greatest |curvature|, at one of the ends; of a shape an upper limit.
   [[nodiscard]] double curvature_max_per_m() const;
 
  private:
@@ -87,10 +93,12 @@ class Section {
   };
 
   Section() = default;
+  // Out of line, so that the built-in kinds stay short enough to be inlined.
+  [[nodiscard, gnu::cold, gnu::pure]] Pose2 shaped_pose_at(double s_m) const;  ///< s in [0, L]
+  [[nodiscard, gnu::cold]] NextPosition shaped_next(double mDTCS_m, double DTT_m, bool indirect) const;
   void lay_pieces();
-  void find_box();
+  void finish();  ///< direction, pieces, end and box, from the members that define the section
   [[nodiscard]] Point2 position_at(double s_m) const noexcept;  ///< s in [0, L]
-  [[nodiscard]] Nearest at_arc_length(Point2 p, double s_m) const;
   [[nodiscard]] Nearest nearest_on_straight(Point2 p) const;
   [[nodiscard]] Nearest nearest_on_arc(Point2 p) const;
   [[nodiscard]] Nearest nearest_by_search(Point2 p) const;
@@ -101,13 +109,19 @@ class Section {
   Pose2 start_;
   SinCos direction_{};  ///< of the heading at the start
   double length_m_{};
+  std::shared_ptr<const SectionShape> shape_;
   double curvature_per_m_{};
   double curvature_rate_per_m2_{};
   double pieces_per_m_{};
-  std::vector<Piece> pieces_;  ///< none on a straight section
+  std::vector<Piece> pieces_;  ///< none on a straight section, nor of a shape
   Pose2 end_;
   Box box_;
 };
+
+/// As in a zone's file: "straight", "arc", "clothoid", or the name that the shape gives its kind.
+[[nodiscard]] std::string_view kind_name(const Section& section);
+/// The part of a section from `from_m` to `to_m`, which are at least 1e-6 m apart within [0, L].
+[[nodiscard]] Section part_of(const Section& section, double from_m, double to_m);
 
 // The hot path of every moving body, hence defined here for inlining.
 
@@ -122,15 +136,19 @@ inline Point2 Section::Piece::at(double u_m) const noexcept {
 }
 
 inline Point2 Section::position_at(double s_m) const noexcept {
-  if (pieces_.empty()) return {start_.x_m + direction_.cos * s_m, start_.y_m + direction_.sin * s_m};
+  if (pieces_.empty()) {
+    if (shape_) return position(shaped_pose_at(s_m));
+    return {start_.x_m + direction_.cos * s_m, start_.y_m + direction_.sin * s_m};
+  }
   const std::size_t index = std::min(static_cast<std::size_t>(s_m * pieces_per_m_), pieces_.size() - 1);
   const Piece& piece = pieces_[index];
   return piece.at(s_m - piece.centre_m);
 }
 
 inline double Section::heading_at(double s_m) const {
-  if (curvature_per_m_ == 0.0 && curvature_rate_per_m2_ == 0.0) return start_.heading_rad;  // even of a NaN
   const double s = s_m > 0.0 ? std::min(s_m, length_m_) : 0.0;
+  if (curvature_per_m_ == 0.0 && curvature_rate_per_m2_ == 0.0)
+    return shape_ ? shaped_pose_at(s).heading_rad : start_.heading_rad;
   return wrap_angle(start_.heading_rad + s * (curvature_per_m_ + 0.5 * curvature_rate_per_m2_ * s));
 }
 
@@ -140,8 +158,21 @@ inline Point2 Section::point_at(double s_m) const {
 }
 
 inline Pose2 Section::pose_at(double s_m) const {
+  if (shape_) [[unlikely]]
+    return shaped_pose_at(s_m > 0.0 ? std::min(s_m, length_m_) : 0.0);
   const Point2 p = point_at(s_m);
   return {p.x_m, p.y_m, heading_at(s_m)};
+}
+
+// Inline so that a caller that needs the distance alone does not compute the pose.
+COSIVA_INLINE NextPosition Section::nextAIVposition(double mDTCS_m, double DTT_m, bool indirect) const {
+  COSIVA_EXPECT(std::min(DTT_m, mDTCS_m) >= 0.0);
+  // The section conservation condition (A31): the rest of this section limits the part of DTT travelled on it.
+  const double reached_m = mDTCS_m + DTT_m;
+  if (shape_) [[unlikely]]
+    return shaped_next(mDTCS_m, DTT_m, indirect);
+  if (reached_m > length_m_) return {indirect ? start_ : end_, std::max(length_m_ - mDTCS_m, 0.0)};
+  return {pose_at(indirect ? length_m_ - reached_m : reached_m), DTT_m};
 }
 
 }  // namespace cosiva::zone

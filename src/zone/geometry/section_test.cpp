@@ -443,8 +443,8 @@ TEST(Section, wraps_the_heading_it_starts_with) {
 
 TEST(Section, moves_a_vehicle_forward_only) {
   const Section section = make({}, 1.0);
-  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(-0.1, 0.5)), "mDTCS_m >= 0.0 && DTT_m >= 0.0");
-  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(0.5, -0.1)), "mDTCS_m >= 0.0 && DTT_m >= 0.0");
+  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(-0.1, 0.5)), "min.DTT_m, mDTCS_m. >= 0.0");
+  EXPECT_DEATH(static_cast<void>(section.nextAIVposition(0.5, -0.1)), "min.DTT_m, mDTCS_m. >= 0.0");
 }
 
 TEST(Section, point_and_heading_alone_are_those_of_the_pose_to_the_last_bit) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
+#include "cosiva/zone/layout/drawable_circuit.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::zone {
@@ -50,6 +52,9 @@ class CircuitFactory {
   [[nodiscard]] virtual Result<ZoneConfiguration> written(const TrafficZone& zone, std::vector<Diagnostic>& lost) const;
   /// Errors name origin, line and field, and the expected value.
   [[nodiscard]] virtual Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const = 0;
+  /// The circuit of that zone, which draws itself. Fails as make_zone does.
+  [[nodiscard]] virtual Result<std::shared_ptr<const DrawableCircuit>> make_circuit(
+      const ZoneConfiguration& configuration) const = 0;
   /// Every fault of a configuration that make_zone refuses, its error first and at most a hundred: every gap and kink,
   /// not only the first. Nothing where the configuration is valid.
   [[nodiscard]] virtual std::vector<Error> faults(const ZoneConfiguration& configuration) const;

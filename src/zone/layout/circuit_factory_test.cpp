@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::zone {
@@ -20,6 +21,10 @@ class Rigid final : public CircuitFactory {
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override {
     if (configuration.text != "good") return fail("rigid.bad", "expected good", "line 1");
     return testing::lacet4();
+  }
+  [[nodiscard]] Result<std::shared_ptr<const DrawableCircuit>> make_circuit(
+      const ZoneConfiguration& configuration) const override {
+    return circuit_of(make_zone(configuration));
   }
 };
 

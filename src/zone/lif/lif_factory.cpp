@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/lif/json_fault.h"
 #include "cosiva/zone/lif/lif_circuit.h"
@@ -53,6 +54,11 @@ std::string zone_name(const std::optional<std::string>& requested, std::string p
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const DrawableCircuit>> LifCircuitFactory::make_circuit(
+    const ZoneConfiguration& configuration) const {
+  return circuit_of(make_zone(configuration));
+}
 
 Result<TrafficZone> LifCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
   const auto failed = [&](Error error) { return tl::unexpected(at_file(configuration, std::move(error))); };

@@ -12,6 +12,8 @@ class LifCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::string_view format() const override { return "lif"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".lif.json", ".json"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] Result<std::shared_ptr<const DrawableCircuit>> make_circuit(
+      const ZoneConfiguration& configuration) const override;
   [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone,
                                                   std::vector<Diagnostic>& lost) const override;
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,

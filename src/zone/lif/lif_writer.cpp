@@ -241,11 +241,9 @@ void Writer::write_section(SectionId id) {
   std::size_t number = 1;
   const auto cut = cuts_.find(id);
   if (cut == cuts_.end()) return write_edge(id, section, 0, from, finish);
-  const double rate = (section.curvature_at(section.length_m()) - section.curvature_at(0.0)) / section.length_m();
   const auto piece = [&](double to_m, std::size_t to) {
-    auto made = Section::make(section.pose_at(from_m), to_m - from_m, section.curvature_at(from_m), rate);
-    COSIVA_EXPECT(made.has_value());  // a millimetre is enough for a section
-    write_edge(id, *made, number++, from, to);
+    COSIVA_EXPECT(from_m < to_m);
+    write_edge(id, part_of(section, from_m, to_m), number++, from, to);  // a millimetre is enough for a section
     from = to;
     from_m = to_m;
   };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cosiva/base/digest.h"
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/opendrive/joints.h"
 #include "cosiva/zone/opendrive/links.h"
 #include "cosiva/zone/opendrive/reader.h"
@@ -91,6 +92,11 @@ std::string name_of(const Network& network, std::string_view text) {
 
 }  // namespace
 }  // namespace opendrive
+
+Result<std::shared_ptr<const DrawableCircuit>> OpenDriveCircuitFactory::make_circuit(
+    const ZoneConfiguration& configuration) const {
+  return circuit_of(make_zone(configuration));
+}
 
 Result<TrafficZone> OpenDriveCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
   using namespace opendrive;

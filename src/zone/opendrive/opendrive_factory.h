@@ -10,6 +10,8 @@ class OpenDriveCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::string_view format() const override { return "opendrive"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".xodr"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] Result<std::shared_ptr<const DrawableCircuit>> make_circuit(
+      const ZoneConfiguration& configuration) const override;
   /// In the sidecar file: the file itself stays unchanged.
   [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration,
                                                  const ZoneEdit& edit) const override;

@@ -82,20 +82,18 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
 std::uint64_t Rtm::initialised_count() { return initialised; }
 
 Result<Rtm> Rtm::initialise(ZoneConfiguration configuration) {
-  ++initialised;
   auto factory = circuit_factory_for(configuration.format);
-  if (!factory) {
-    factory.error().location = configuration.origin;
-    return tl::unexpected(std::move(factory.error()));
-  }
-  auto zone = (*factory)->make_zone(configuration);
-  if (!zone) return tl::unexpected(std::move(zone.error()));
+  if (factory) return initialise(std::move(configuration), **factory);
+  ++initialised;
+  factory.error().location = configuration.origin;
+  return tl::unexpected(std::move(factory.error()));
+}
 
-  Rtm rtm;
-  rtm.configuration_ = std::move(configuration);
-  rtm.factory_ = *factory;
-  rtm.zone_ = std::make_shared<const TrafficZone>(std::move(*zone));
-  return rtm;
+Result<Rtm> Rtm::initialise(ZoneConfiguration configuration, const CircuitFactory& factory) {
+  ++initialised;
+  auto prepared = PreparedFactory::make(std::move(configuration), factory);
+  if (!prepared) return tl::unexpected(std::move(prepared).error());
+  return Rtm{std::move(*prepared)};
 }
 
 void archive_value(Archive& archive, std::shared_ptr<const Rtm>& rtm) {

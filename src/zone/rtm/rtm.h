@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
@@ -12,6 +13,7 @@
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/circuit_factory.h"
 #include "cosiva/zone/layout/traffic_zone.h"
+#include "cosiva/zone/rtm/prepared_factory.h"
 
 namespace cosiva::zone {
 
@@ -41,19 +43,22 @@ namespace cosiva::zone {
 class Rtm {
  public:
   [[nodiscard]] static Result<Rtm> initialise(ZoneConfiguration configuration);
+  /// The same with the factory given instead of that of the configuration's format.
+  /// @param factory  must outlive the RTM
+  [[nodiscard]] static Result<Rtm> initialise(ZoneConfiguration configuration, const CircuitFactory& factory);
   /// How often initialise() was called on this thread: tests count that no configuration is built twice.
   [[nodiscard]] static std::uint64_t initialised_count();
 
+  /// For the circuit of the configuration (figure 8): the factory has made it already, since the RTM can be initialised
+  /// only with a configuration that has one.
   [[nodiscard]] const CircuitFactory& circuit_factory() const { return *factory_; }
-  [[nodiscard]] const ZoneConfiguration& configuration() const { return configuration_; }
-  [[nodiscard]] const TrafficZone& zone() const { return *zone_; }
-  [[nodiscard]] std::shared_ptr<const TrafficZone> shared_zone() const { return zone_; }
+  [[nodiscard]] const ZoneConfiguration& configuration() const { return factory_->configuration(); }
+  [[nodiscard]] const TrafficZone& zone() const { return *shared_zone(); }
+  [[nodiscard]] const std::shared_ptr<const TrafficZone>& shared_zone() const { return factory_->circuit().zone(); }
 
  private:
-  Rtm() = default;
-  ZoneConfiguration configuration_;
-  const CircuitFactory* factory_{};
-  std::shared_ptr<const TrafficZone> zone_;
+  explicit Rtm(std::shared_ptr<const PreparedFactory> factory) : factory_{std::move(factory)} {}
+  std::shared_ptr<const PreparedFactory> factory_;
 };
 
 /// In a snapshot an RTM is its configuration, of which it is built again; null is stored as null.

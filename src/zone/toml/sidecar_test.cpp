@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -37,6 +38,9 @@ class TrackFactory final : public CircuitFactory {
     rules.start_ids = {"N1", "N2", "N3", "N4"};
     if (const auto done = furnish(zone, configuration, *sidecar, rules); !done) return tl::unexpected(done.error());
     return zone;
+  }
+  Result<std::shared_ptr<const DrawableCircuit>> make_circuit(const ZoneConfiguration& configuration) const override {
+    return circuit_of(make_zone(configuration));
   }
   Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit) const override {
     return edited_sidecar(*this, configuration, edit);

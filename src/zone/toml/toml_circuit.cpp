@@ -21,6 +21,7 @@ constexpr std::size_t successors_max = 64;
 
 constexpr NumberRange turn_deg{"degrees to turn, positive to the left", -572957.0, 572957.0};
 constexpr NumberRange curvature{"a curvature per metre within ±1000, positive to the left", -1000.0, 1000.0};
+constexpr NumberRange shape_number{"a number within ±1e9", -1e9, 1e9};
 constexpr NumberRange curvature_rate{"a change of curvature per metre within ±1e9", -1e9, 1e9};
 
 Pose2 read_pose(const TomlFields& fields) {
@@ -137,7 +138,16 @@ Pose2 TomlTracks::start_of(const TomlFields& fields, const TomlCircuit& circuit)
 }
 
 std::optional<Section> TomlTracks::read_shape(const TomlFields& fields, const Pose2& follows) const {
-  const std::string kind = fields.one_of("kind", {"straight", "arc", "clothoid"});
+  const SectionKinds& kinds = SectionKinds::of_program();
+  const std::vector<std::string> names = kinds.names();
+  const std::string kind = fields.one_of("kind", std::vector<std::string_view>{names.begin(), names.end()});
+  const auto made = [&](Result<Section> section) -> std::optional<Section> {
+    if (faults_.any()) return std::nullopt;
+    if (section) return std::move(*section);
+    fields.fault("", section.error().code, section.error().message);
+    return std::nullopt;
+  };
+  if (const ShapedKind* const shaped = kinds.find(kind)) return made(read_shaped(fields, *shaped, follows));
   double length_m = 0.0;
   double curvature_per_m = 0.0;
   double rate_per_m2 = 0.0;
@@ -178,10 +188,20 @@ std::optional<Section> TomlTracks::read_shape(const TomlFields& fields, const Po
                    "give a clothoid's curvature at its end or its rate, not both");
   }
   if (faults_.any()) return std::nullopt;
-  auto section = Section::make(follows, length_m, curvature_per_m, rate_per_m2);
-  if (section) return std::move(*section);
-  fields.fault("", section.error().code, section.error().message);
-  return std::nullopt;
+  return made(Section::make(follows, length_m, curvature_per_m, rate_per_m2));
+}
+
+Result<Section> TomlTracks::read_shaped(const TomlFields& fields, const ShapedKind& kind, const Pose2& follows) const {
+  std::vector<std::string_view> keys{"name", "kind",    "speed_mps_max", "start",      "next",
+                                     "from", "circuit", "pivots",        "start_node", "end_node"};
+  keys.insert(keys.end(), kind.fields.begin(), kind.fields.end());
+  fields.expect_only(keys);
+  std::vector<double> values;
+  for (const std::string& key : kind.fields) values.push_back(fields.number(key, shape_number));
+  if (faults_.any()) return fail("zone.field", "an entry with faults has no shape");
+  auto shape = kind.make(values);
+  if (!shape) return tl::unexpected(std::move(shape).error());
+  return Section::make(follows, std::move(*shape));
 }
 
 void TomlTracks::read_waypoint_ids(const TomlFields& fields, SectionId id) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/zone/geometry/section_kinds.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/toml/toml_fields.h"
@@ -42,6 +43,8 @@ class TomlTracks {
   /// The start of the section: at `start`, at the end of the section `from`, or at the present end of its circuit.
   [[nodiscard]] Pose2 start_of(const TomlFields& fields, const TomlCircuit& circuit);
   [[nodiscard]] std::optional<Section> read_shape(const TomlFields& fields, const Pose2& follows) const;
+  [[nodiscard]] Result<Section> read_shaped(const TomlFields& fields, const ShapedKind& kind,
+                                            const Pose2& follows) const;
   void read_waypoint_ids(const TomlFields& fields, SectionId id);
   void read_successors();
   void add_successor(SectionId id, std::string_view name, std::string_view key, SectionId said_by);

@@ -1,5 +1,6 @@
 #include "cosiva/zone/toml/toml_factory.h"
 
+#include "cosiva/zone/drawing/zone_circuit.h"
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/toml/toml_circuit.h"
 #include "cosiva/zone/toml/toml_edit.h"
@@ -48,6 +49,11 @@ std::optional<TrafficZone> read_text(const ZoneConfiguration& configuration, Tom
 }
 
 }  // namespace
+
+Result<std::shared_ptr<const DrawableCircuit>> TomlCircuitFactory::make_circuit(
+    const ZoneConfiguration& configuration) const {
+  return circuit_of(make_zone(configuration));
+}
 
 Result<TrafficZone> TomlCircuitFactory::make_zone(const ZoneConfiguration& configuration) const {
   TomlFaults faults{configuration.origin};

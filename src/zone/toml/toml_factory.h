@@ -13,6 +13,8 @@ class TomlCircuitFactory final : public CircuitFactory {
   [[nodiscard]] std::string_view format() const override { return "toml"; }
   [[nodiscard]] std::vector<std::string_view> file_endings() const override { return {".toml"}; }
   [[nodiscard]] Result<TrafficZone> make_zone(const ZoneConfiguration& configuration) const override;
+  [[nodiscard]] Result<std::shared_ptr<const DrawableCircuit>> make_circuit(
+      const ZoneConfiguration& configuration) const override;
   [[nodiscard]] std::vector<Error> faults(const ZoneConfiguration& configuration) const override;
   /// Reads back as the same zone, to the last bit, except for its diagnostics.
   [[nodiscard]] Result<ZoneConfiguration> written(const TrafficZone& zone,

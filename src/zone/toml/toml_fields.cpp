@@ -63,7 +63,7 @@ double TomlFields::angle(std::string_view key, double within_deg, std::optional<
   return has(degrees) || !fallback_rad ? value_deg * rad_per_deg : *fallback_rad;
 }
 
-std::string TomlFields::one_of(std::string_view key, std::initializer_list<std::string_view> terms) const {
+std::string TomlFields::one_of(std::string_view key, const std::vector<std::string_view>& terms) const {
   std::string what;
   for (const std::string_view word : terms) what.append(what.empty() ? "" : " or ").append(in_quotes(word));
   const toml::node* node = find(key, what, false);

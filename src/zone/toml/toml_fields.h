@@ -30,7 +30,10 @@ class TomlFields : public TomlTable {
   /// In radians, from `key`_deg or, where the last digit counts, `key`_rad: one of both, or the fallback.
   [[nodiscard]] double angle(std::string_view key, double within_deg,
                              std::optional<double> fallback_rad = std::nullopt) const;
-  [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> terms) const;
+  [[nodiscard]] std::string one_of(std::string_view key, std::initializer_list<std::string_view> terms) const {
+    return one_of(key, std::vector<std::string_view>{terms});
+  }
+  [[nodiscard]] std::string one_of(std::string_view key, const std::vector<std::string_view>& terms) const;
 
   [[nodiscard]] std::optional<TomlFields> table(std::string_view key) const;
   [[nodiscard]] std::vector<TomlFields> tables(std::string_view key) const;

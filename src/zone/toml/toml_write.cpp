@@ -203,7 +203,11 @@ void Writer::shape(const Section& section) {
   const double length_m = section.length_m();
   const double curvature_per_m = section.curvature_at(0.0);
   const double rate_per_m2 = section.curvature_rate_per_m2();
-  line("kind", "\"" + std::string(to_string(section.kind())) + "\"");
+  line("kind", "\"" + std::string(kind_name(section)) + "\"");
+  if (section.shape()) {
+    for (const auto& [key, value] : section.shape()->fields()) number(key, value);
+    return;
+  }
   if (section.kind() == SectionKind::arc) {
     // In the usual form, where that is the very same arc.
     const double side = curvature_per_m < 0.0 ? -1.0 : 1.0;

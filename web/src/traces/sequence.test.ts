@@ -54,8 +54,8 @@ describe('the article’s exchanges', () => {
   });
   it('figure 11 is the report that moved a twin to a new section, the response of the section, and the reports around it', () => {
     const report = (who: string): Message => [`CoSiVA/${who}`, 'AIV_Server', 'visualization', '{"x":1}'];
-    const request = (who: string): Message => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} leaves south 0.994 m`];
-    const response = (who: string): Message => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 1.000, 0.012`];
+    const request = (who: string): Message => ['Simulator', 'Circuit', 'nextAIVposition', `CoSiVA/${who} on south 0.994 m: 0.018 m to travel`];
+    const response = (who: string): Message => ['Circuit', 'Simulator', 'position', `CoSiVA/${who} on east 0.012 m: 0.012 m travelled to 1.000, 0.012`];
     const store = store_of(report('AIV1'), report('AIV1'), report('AIV2'), report('AIV1'), request('AIV1'), response('AIV1'), request('AIV2'), response('AIV2'), report('AIV1'), report('AIV2'), report('AIV1'));
     expect(find_figure(store, 'figure 11', 'CoSiVA/AIV1')!.seqs).toEqual([1, 3, 4, 5, 8]);
     const any = find_figure(store, 'figure 11')!;

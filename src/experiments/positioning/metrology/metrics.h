@@ -44,7 +44,7 @@ struct RunMetrics {
   double nis{};  ///< mean per dimension; 1 where innovations are as large as expected. NaN without innovations
   std::size_t nis_dimensions{};  ///< number of dimensions in the mean
   std::size_t refused{};
-  std::array<Part, 3> by_section{};  ///< straight, arc, clothoid
+  std::array<Part, 4> by_section{};  ///< by zone::SectionKind
   std::array<Part, since_fiducial_m.size() + 1> by_distance{};
 };
 [[nodiscard]] RunMetrics metrics_of(const Trial& trial, const Trace& trace, double threshold_m);

@@ -73,7 +73,7 @@ struct Qualified {
   std::optional<statistics::Interval> nis_band;
   std::size_t refused{};
   double worth{};  ///< independent values in all runs together
-  std::array<Part, 3> by_section{};
+  std::array<Part, 4> by_section{};
   std::array<Part, since_fiducial_m.size() + 1> by_distance{};
   std::optional<double> limit_m;      ///< the error that no algorithm can surpass
   std::optional<double> gap_percent;  ///< above the limit

@@ -79,15 +79,20 @@ void add_honesty(Report& report, const Qualification& all) {
 }
 
 void add_splits(Report& report, const Qualification& all) {
+  std::vector<std::string> titles{"algorithm", "along: rmse [mm]", "bias [mm]", "across: rmse [mm]",
+                                  "bias [mm]", "straights [mm]",   "arcs [mm]", "clothoids [mm]"};
+  constexpr auto shaped = static_cast<std::size_t>(zone::SectionKind::shaped);
+  const bool some_shaped =
+      std::ranges::any_of(figured(all), [](const Qualified* one) { return one->by_section[shaped].iterations > 0; });
+  if (some_shaped) titles.emplace_back("other kinds [mm]");
   std::vector<std::vector<std::string>> rows;
   for (const Qualified* one : figured(all)) {
-    rows.push_back({one->name, mm(one->along_rmse_m), mm(one->along_bias_m), mm(one->across_rmse_m),
-                    mm(one->across_bias_m), mm(one->by_section[0].rmse_m()), mm(one->by_section[1].rmse_m()),
-                    mm(one->by_section[2].rmse_m())});
+    rows.push_back(
+        {one->name, mm(one->along_rmse_m), mm(one->along_bias_m), mm(one->across_rmse_m), mm(one->across_bias_m)});
+    for (std::size_t kind = 0; kind < shaped + (some_shaped ? 1 : 0); ++kind)
+      rows.back().push_back(mm(one->by_section[kind].rmse_m()));
   }
-  report.table({"algorithm", "along: rmse [mm]", "bias [mm]", "across: rmse [mm]", "bias [mm]", "straights [mm]",
-                "arcs [mm]", "clothoids [mm]"},
-               rows);
+  report.table(titles, rows);
 }
 
 std::string trajectory(const Qualification& all, const Conditions& conditions) {

@@ -235,11 +235,14 @@ TEST(ServerCore, traces_the_responses_of_the_sections_where_a_twin_enters_a_new_
   fixture.add("AIV1", {0, 1.5});
   fixture.run_for(5s);  // at 0.3 m/s beyond the end of the first section, 2 m long, onto the half circle of 1.57 m
   const auto requested = traced(fixture, "nextAIVposition", "Simulator");
-  const auto acknowledged = traced(fixture, "position", "Circuit");
-  ASSERT_THAT(requested, SizeIs(1));
-  ASSERT_THAT(acknowledged, SizeIs(1));
-  EXPECT_THAT(*requested[0].text("content"), testing::StartsWith("CoSiVA/AIV1 leaves south 1.9"));
-  EXPECT_THAT(*acknowledged[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
+  const auto responses = traced(fixture, "position", "Circuit");
+  ASSERT_THAT(requested, SizeIs(2)) << "the first section is too short (phase b), the second is not (phase c)";
+  ASSERT_THAT(responses, SizeIs(2));
+  EXPECT_THAT(*requested[0].text("content"),
+              AllOf(testing::StartsWith("CoSiVA/AIV1 on south 1.9"), testing::EndsWith(" m to travel")));
+  EXPECT_THAT(*responses[0].text("content"), testing::StartsWith("CoSiVA/AIV1 on south 2.00 m: 0.0"));
+  EXPECT_THAT(*requested[1].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.00 m: 0.0"));
+  EXPECT_THAT(*responses[1].text("content"), testing::StartsWith("CoSiVA/AIV1 on east 0.0"));
 }
 
 TEST(ServerCore, gives_the_same_digest_for_the_same_inputs) {

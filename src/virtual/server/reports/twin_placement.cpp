@@ -40,28 +40,11 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   const std::string& map_id = proxy.position.map_id();
   report.on_map = !map_ || map_id.empty() || map_id == map_->zone().name || context_.areas.has_map(map_id);
   const Twin& twin = context_.simulator.twin(*proxy.twin());
-  const std::optional<zone::TrackPosition> before =
-      twin.on_circuit() ? std::optional{twin.reported_position()} : std::nullopt;
   if (twin.on_circuit()) proxy.twin_link.on_shift(context_.now, shift_m(twin.last_report(), report));
-  context_.simulator.report(*proxy.twin(), context_.now, report);
-  if (before && twin.on_circuit() && before->section != twin.reported_position().section) trace_section(proxy, *before);
+  context_.simulator.report(*proxy.twin(), context_.now, report, step_recorder(context_));
   if (map_)
     master_.orders.set_reported_pose(
         vehicle, {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
-}
-
-void TwinPlacement::trace_section(const AivProxy& proxy, zone::TrackPosition before) {
-  // Figure 11 of the article, traced only at each new section.
-  const zone::Circuit& circuit = *context_.simulator.circuit();
-  const zone::TrackPosition position = context_.simulator.twin(*proxy.twin()).reported_position();
-  const auto on = [&circuit](zone::TrackPosition p) {
-    return circuit.part(p.section).name + " " + metres_text(p.s_m) + " m";
-  };
-  const Pose2 line = circuit.pose_at(position);
-  context_.traces.add(context_.now, "Simulator", "Circuit", "nextAIVposition", proxy.name() + " leaves " + on(before));
-  context_.traces.add(
-      context_.now, "Circuit", "Simulator", "position",
-      proxy.name() + " on " + on(position) + ": " + metres_text(line.x_m) + ", " + metres_text(line.y_m));
 }
 
 void TwinPlacement::apply_base_end(VehicleIndex vehicle) {

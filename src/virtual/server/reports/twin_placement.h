@@ -28,8 +28,6 @@ class TwinPlacement {
   void record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
 
  private:
-  void trace_section(const AivProxy& proxy, zone::TrackPosition before);
-
   ServerContext& context_;
   MasterControl& master_;
   const WaypointGraph* map_{};
