@@ -36,7 +36,7 @@ AivMotion::AivMotion(const zone::Circuit& circuit, zone::TrackPosition position,
 }
 
 double AivMotion::move_across(const zone::Circuit& circuit, double DTT_m, std::size_t branch) {
-  return travel(
+  return travel_through(
       circuit, DTT_m, [&](zone::SectionId here) { return direction_.next_section(circuit, here, branch); },
       [](const SectionResponse&) {});
 }
@@ -61,20 +61,14 @@ bool AivMotion::on_indirect_move_req(const zone::Circuit& circuit) {
 double AivMotion::shift(const zone::Circuit& circuit, double distance_m, std::span<const zone::SectionId> remaining,
                         std::span<const zone::SectionId> traversed) {
   const auto none = [](const SectionResponse&) {};
+  if (distance_m >= 0.0) return travel(circuit, distance_m, remaining, none);
   const TravelDir before = direction_;
-  if (distance_m >= 0.0) {
-    std::size_t step = 0;
-    const auto next = [&](zone::SectionId here) {
-      return step < remaining.size() ? remaining[step++] : direction_.next_section(circuit, here);
-    };
-    return travel(circuit, distance_m, next, none);
-  }
   turn(circuit, before.is_direct() ? TravelDir::Event::Ev_OnIndirectMoveReq : TravelDir::Event::Ev_OnDirectMoveReq);
   std::size_t left = traversed.size();
   const auto back = [&](zone::SectionId here) {
     return left > 0 ? traversed[--left] : direction_.next_section(circuit, here);
   };
-  const double travelled_m = travel(circuit, -distance_m, back, none);
+  const double travelled_m = travel_through(circuit, -distance_m, back, none);
   turn(circuit, before.is_direct() ? TravelDir::Event::Ev_OnDirectMoveReq : TravelDir::Event::Ev_OnIndirectMoveReq);
   return -travelled_m;
 }

@@ -121,10 +121,11 @@ class AivMotion {
   /// only at a dead end. DTT is at most 1e9 m, because the loop visits every section passed. At a fork the `branch`-th
   /// successor is taken (0: the default; too large: the last).
   double move(const zone::Circuit& circuit, double DTT_m, std::size_t branch = 0);
-  /// As move, with the circuit's sections as `next_section(current)` chooses them, no_section at a dead end; calls
-  /// `on_response` with each SectionResponse, in order.
-  template <typename NextSection, typename OnResponse>
-  double travel(const zone::Circuit& circuit, double DTT_m, NextSection&& next_section, OnResponse&& on_response);
+  /// As move, through the sections of `route` and from its end along default successors; calls `on_response` with each
+  /// SectionResponse, in order.
+  template <typename OnResponse>
+  double travel(const zone::Circuit& circuit, double DTT_m, std::span<const zone::SectionId> route,
+                OnResponse&& on_response);
 
   /// A32: on a change mDTCS is mirrored first (L − mDTCS), then the state; the position stays. True on a change.
   bool on_direct_move_req(const zone::Circuit& circuit);
@@ -140,6 +141,10 @@ class AivMotion {
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
+  /// As travel, through the sections that `next_section(current)` gives, no_section at a dead end.
+  template <typename NextSection, typename OnResponse>
+  double travel_through(const zone::Circuit& circuit, double DTT_m, NextSection&& next_section,
+                        OnResponse&& on_response);
   /// The rest of a move whose section has responded with DT < DTT: phases b and c of figure 14.
   double move_across(const zone::Circuit& circuit, double DTT_m, std::size_t branch);
   /// Mirrors mDTCS, then lets the direction change its state (figure 13).
@@ -164,9 +169,19 @@ inline double AivMotion::move(const zone::Circuit& circuit, double DTT_m, std::s
   return DTT_m;
 }
 
-template <typename NextSection, typename OnResponse>
-double AivMotion::travel(const zone::Circuit& circuit, double DTT_m, NextSection&& next_section,
+template <typename OnResponse>
+double AivMotion::travel(const zone::Circuit& circuit, double DTT_m, std::span<const zone::SectionId> route,
                          OnResponse&& on_response) {
+  std::size_t step = 0;
+  const auto next = [&](zone::SectionId here) {
+    return step < route.size() ? route[step++] : direction_.next_section(circuit, here);
+  };
+  return travel_through(circuit, DTT_m, next, on_response);
+}
+
+template <typename NextSection, typename OnResponse>
+double AivMotion::travel_through(const zone::Circuit& circuit, double DTT_m, NextSection&& next_section,
+                                 OnResponse&& on_response) {
   constexpr double DTT_m_max = 1e9;
   COSIVA_EXPECT(DTT_m >= 0.0 && DTT_m <= DTT_m_max);
   double left_to_travel_m = DTT_m;

@@ -263,9 +263,7 @@ TEST(MotionRequests, give_their_responses_in_the_order_of_the_sections) {
   const Counted counted;
   AivMotion aiv{counted.circuit, {0, 0.5}};
   std::vector<SectionResponse> responses;
-  aiv.travel(
-      counted.circuit, 5.0, [&](zone::SectionId here) { return aiv.direction().next_section(counted.circuit, here); },
-      [&](const SectionResponse& response) { responses.push_back(response); });
+  aiv.travel(counted.circuit, 5.0, {}, [&](const SectionResponse& response) { responses.push_back(response); });
   ASSERT_EQ(responses.size(), 3U);
   EXPECT_EQ(responses[0].next.DT_m, 0.5);
   EXPECT_EQ(responses[1].DTT_m, 4.5);

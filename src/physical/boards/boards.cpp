@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cosiva/aiv/motion/formulas.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::physical {
@@ -12,12 +13,6 @@ namespace {
 /// The board brakes for the end of its room as it does when it receives no more Drives, and knows the motors' lag.
 constexpr double room_braking_mps2 = 1.0;
 constexpr double room_late_s = 0.05;
-
-/// The highest speed from which the motors still stop within `room_m`: the positive root of v²/(2b) + t·v − d.
-double stoppable_mps(double room_m) {
-  const double d_m = std::max(room_m, 0.0);
-  return 2.0 * d_m / (room_late_s + std::sqrt(room_late_s * room_late_s + 2.0 * d_m / room_braking_mps2));
-}
 
 /// The nearest value that the frame's field can hold.
 template <typename T>
@@ -74,7 +69,8 @@ std::optional<wire::Drive> PilsBoard::drive(SimTime now, double distance_m) {
   if (!driven(now)) return std::nullopt;
   if (!drive_->room_mm || drive_->speed_mmps <= 0) return drive_;
   if (!received_at_m_) received_at_m_ = distance_m;
-  const double limit_mmps = 1e3 * stoppable_mps(1e-3 * *drive_->room_mm - (distance_m - *received_at_m_));
+  const double left_m = 1e-3 * *drive_->room_mm - (distance_m - *received_at_m_);
+  const double limit_mmps = 1e3 * aiv::plain::stoppable_speed(left_m, room_braking_mps2, room_late_s);
   if (drive_->speed_mmps <= limit_mmps) return drive_;
   wire::Drive limited = *drive_;
   limited.speed_mmps = static_cast<std::int16_t>(limit_mmps);

@@ -166,13 +166,7 @@ void Twin::move_to(const zone::Circuit& circuit, zone::TrackPosition position, c
                               : std::nullopt;
   if (distance_m) {
     aiv::AivMotion motion{circuit, from};
-    std::size_t step = 0;
-    motion.travel(
-        circuit, *distance_m,
-        [&](zone::SectionId here) {
-          return step < route.size() ? route[step++] : motion.direction().next_section(circuit, here);
-        },
-        on_move);
+    motion.travel(circuit, *distance_m, route, on_move);
   }
   motion_ = aiv::AivMotion(circuit, position);
 }
