@@ -3,6 +3,7 @@
 
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -105,6 +106,27 @@ class TidyTasks(unittest.TestCase):
     def test_sources_with_helpers_of_the_same_name_are_in_different_units(self):
         tidy.read_text = lambda path: source("int helper;")
         self.assertEqual(len(self.runs()), 8)
+
+    def findings(self, error, *refused):
+        """What a unit of all sources is found and passed to have, when those with all the sources `refused` do not pass."""
+        passed = []
+
+        def run_of(task):
+            code = int(set(refused) <= set(task.passes))
+            return subprocess.CompletedProcess([], code, stdout=f"error: {error}" if code else "")
+
+        unit = tidy.Task(self.sources, list("abcdefgh"))
+        found = tidy.findings_of(unit, run_of, passed.append)
+        return ["".join(task.passes) for task, _ in found], "".join(passed)
+
+    def test_a_unit_in_which_two_sources_mean_different_things_by_one_name_is_divided_until_it_compiles(self):
+        self.assertEqual(self.findings("ambiguous [clang-diagnostic-error]", "a", "b"), ([], "abcdefgh"))
+
+    def test_a_source_that_does_not_compile_is_found_in_its_unit(self):
+        self.assertEqual(self.findings("ambiguous [clang-diagnostic-error]", "c"), (["c"], "abdefgh"))
+
+    def test_a_unit_with_another_finding_is_not_divided(self):
+        self.assertEqual(self.findings("[misc-const-correctness]", "c"), (["abcdefgh"], ""))
 
     def test_a_unit_has_the_folders_and_definitions_of_all_its_sources(self):
         sources = [self.source("src/a.cpp", "-Ia"), self.source("src/b.cpp", "-Ia", "-isystem", "eigen", "-DB=1")]

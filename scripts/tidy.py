@@ -197,6 +197,38 @@ def unit_words(sources, file):
     return words
 
 
+def halves_of(task):
+    """Two tasks with half of the sources each; a single source is checked under its own name."""
+    half = len(task.sources) // 2
+    parts = (slice(None, half), slice(half, None))
+    return [Task(task.sources[part], task.passes[part]) for part in parts]
+
+
+def findings_of(task, run_of, passed):
+    """The runs with findings of a task, each with its task; `passed(name)` is called for each check that passed."""
+    run = run_of(task)
+    if run.returncode == 0:
+        for name in task.passes:
+            passed(name)
+        return []
+    # Two sources of a unit can use one name in two meanings: it is no finding if its halves compile.
+    if len(task.sources) > 1 and "[clang-diagnostic-error]" in run.stdout:
+        return [finding for half in halves_of(task) for finding in findings_of(half, run_of, passed)]
+    return [(task, run)]
+
+
+def run_of(task, folder):
+    """One run of clang-tidy; `folder` is for the files of units."""
+    file, command = task.sources[0].path, ["clang-tidy", "--quiet"]
+    if len(task.sources) > 1:
+        file = folder / f"unit_{task.passes[0]}.cpp"
+        file.write_text(unit_text(task.sources))
+        # A unit includes sources, which this check reports; they are to be checked like headers.
+        command += ["--checks=-bugprone-suspicious-include", f"--header-filter={ROOT}/(include|{'|'.join(OURS)})/.*"]
+    words = unit_words(task.sources, file)
+    return subprocess.run([*command, str(file), "--", *words[1:]], capture_output=True, text=True, cwd=folder)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
@@ -220,39 +252,19 @@ def main():
         sources = [s for s in sources if any(part in str(s.path.relative_to(ROOT)) for part in arguments.only)]
     todo = tasks_for(sources, changed_sources(), lambda name: not arguments.all and (cache / name).exists())
 
-    # clang-tidy reads the units and their commands from a separate folder.
-    database = ROOT / "build/tidy-commands"
-    database.mkdir(parents=True, exist_ok=True)
-    files, entries = {}, []
-    for number, task in enumerate(todo):
-        file = task.sources[0].path
-        if len(task.sources) > 1:
-            file = database / f"unit_{number}.cpp"
-            file.write_text(unit_text(task.sources))
-        files[id(task)] = file
-        command = shlex.join(unit_words(task.sources, file))
-        entries.append({"directory": str(database), "command": command, "file": str(file)})
-    (database / "compile_commands.json").write_text(json.dumps(entries))
+    folder = ROOT / "build/tidy-units"
+    folder.mkdir(parents=True, exist_ok=True)
 
     def tidy(task):
-        command = ["clang-tidy", "--quiet", "-p", str(database)]
-        if len(task.sources) > 1:
-            # A unit includes sources, which this check reports; they are to be checked like headers.
-            command += ["--checks=-bugprone-suspicious-include", f"--header-filter={ROOT}/(include|{'|'.join(OURS)})/.*"]
-        run = subprocess.run([*command, str(files[id(task)])], capture_output=True, text=True)
-        if run.returncode == 0:
-            for name in task.passes:
-                (cache / name).touch()
-        return task, run
+        return findings_of(task, lambda part: run_of(part, folder), lambda name: (cache / name).touch())
 
     start, failed = time.monotonic(), 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for task, run in pool.map(tidy, todo):
-            if run.returncode != 0:
-                failed += 1
-                print(f"--- {files[id(task)].relative_to(ROOT)}\n{run.stdout.strip()}", flush=True)
-                if "error:" not in run.stdout:
-                    print(run.stderr.strip())
+        for task, run in (finding for findings in pool.map(tidy, todo) for finding in findings):
+            failed += 1
+            print(f"--- {task.sources[0].path.relative_to(ROOT)}\n{run.stdout.strip()}", flush=True)
+            if "error:" not in run.stdout:
+                print(run.stderr.strip())
     seconds = time.monotonic() - start
     looked = sum(len(task.sources) for task in todo)
     print(f"tidy: {len(sources)} files, {looked} checked in {len(todo)} runs and {seconds:.0f} s, {failed} with findings")

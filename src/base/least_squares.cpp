@@ -30,7 +30,7 @@ Eigen::Matrix<double, static_cast<int>(N), static_cast<int>(N)> dense(const Squa
   return result;
 }
 
-SquareMatrix<3> plain(const Eigen::Matrix3d& matrix) {
+SquareMatrix<3> without_eigen(const Eigen::Matrix3d& matrix) {
   SquareMatrix<3> result{};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j)
@@ -38,9 +38,9 @@ SquareMatrix<3> plain(const Eigen::Matrix3d& matrix) {
   return result;
 }
 
-std::vector<double> plain(const DenseVector& vector) { return {vector.data(), vector.data() + vector.size()}; }
+std::vector<double> without_eigen(const DenseVector& vector) { return {vector.data(), vector.data() + vector.size()}; }
 
-Matrix plain(const DenseMatrix& matrix) {
+Matrix without_eigen(const DenseMatrix& matrix) {
   Matrix result{static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())};
   std::copy(matrix.data(), matrix.data() + matrix.size(), result.values().begin());
   return result;
@@ -96,7 +96,7 @@ DenseVector nonnegative(const DenseMatrix& normal, const DenseVector& right) {
 
 std::vector<double> residuals(const Matrix& a, std::span<const double> x, std::span<const double> y) {
   COSIVA_EXPECT(x.size() == a.columns() && y.size() == a.rows());
-  return plain(DenseVector{dense(a) * dense(x) - dense(y)});
+  return without_eigen(DenseVector{dense(a) * dense(x) - dense(y)});
 }
 
 double weighted_squares(std::span<const double> weights, std::span<const double> errors) {
@@ -111,12 +111,12 @@ std::optional<std::vector<double>> least_squares(const Matrix& a, std::span<cons
   Eigen::ColPivHouseholderQR<DenseMatrix> solver{dense(a)};
   solver.setThreshold(rank_threshold);
   if (solver.rank() < solver.cols()) return std::nullopt;
-  return plain(DenseVector{solver.solve(dense(y))});
+  return without_eigen(DenseVector{solver.solve(dense(y))});
 }
 
 Matrix least_squares(const Matrix& a, const Matrix& y) {
   COSIVA_EXPECT(y.rows() == a.rows());
-  return plain(DenseMatrix{dense(a).colPivHouseholderQr().solve(dense(y))});
+  return without_eigen(DenseMatrix{dense(a).colPivHouseholderQr().solve(dense(y))});
 }
 
 std::array<double, 9> homogeneous_least_squares(const Matrix& a) {
@@ -134,13 +134,14 @@ NormalEquations normal_equations(const Matrix& a, std::span<const double> weight
   COSIVA_EXPECT(weights.size() == a.rows() && y.size() == a.rows());
   const DenseMatrix rows = dense(a);
   const DenseMatrix weighted = dense(weights).asDiagonal() * rows;
-  return {plain(DenseMatrix{rows.transpose() * weighted}), plain(DenseVector{weighted.transpose() * dense(y)})};
+  return {without_eigen(DenseMatrix{rows.transpose() * weighted}),
+          without_eigen(DenseVector{weighted.transpose() * dense(y)})};
 }
 
 std::vector<double> nonnegative_least_squares(const NormalEquations& equations) {
   COSIVA_EXPECT(equations.normal.rows() == equations.right.size() &&
                 equations.normal.columns() == equations.right.size());
-  return plain(nonnegative(dense(equations.normal), dense(equations.right)));
+  return without_eigen(nonnegative(dense(equations.normal), dense(equations.right)));
 }
 
 std::vector<double> levenberg_marquardt(std::span<const double> start, std::size_t count, const Residuals& write) {
@@ -181,7 +182,7 @@ std::vector<double> levenberg_marquardt(std::span<const double> start, std::size
     }
     if (!better || before - here.squaredNorm() < 1e-13 * before) break;
   }
-  return plain(at);
+  return without_eigen(at);
 }
 
 template <std::size_t N>
@@ -199,12 +200,12 @@ std::optional<SquareMatrix<3>> inverse(const SquareMatrix<3>& a) {
   const Eigen::Matrix3d matrix = dense(a);
   const double determinant = matrix.determinant();
   if (!std::isfinite(determinant) || determinant == 0.0) return std::nullopt;
-  return plain(Eigen::Matrix3d{matrix.inverse()});
+  return without_eigen(Eigen::Matrix3d{matrix.inverse()});
 }
 
 SquareMatrix<3> nearest_orthogonal(const SquareMatrix<3>& a) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> parts{dense(a), Eigen::ComputeFullU | Eigen::ComputeFullV};
-  return plain(Eigen::Matrix3d{parts.matrixU() * parts.matrixV().transpose()});
+  return without_eigen(Eigen::Matrix3d{parts.matrixU() * parts.matrixV().transpose()});
 }
 
 }  // namespace cosiva
