@@ -25,6 +25,11 @@ struct Pose2 {
   return distance(position(a), position(b));
 }
 
+/// The same position, with the opposite heading.
+[[nodiscard]] inline Pose2 turned_round(const Pose2& pose) noexcept {
+  return {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad + pi)};
+}
+
 /// X_AC = X_AB · X_BC.
 [[nodiscard]] Pose2 operator*(const Pose2& X_AB, const Pose2& X_BC) noexcept;
 /// p_A = X_AB · p_B.

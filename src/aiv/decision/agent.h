@@ -42,6 +42,8 @@ class Agent {
   explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr,
                  Lateness late = {});
 
+  [[nodiscard]] const zone::TrafficZone& zone() const { return zone_; }
+
   // What the agent decides on.
   [[nodiscard]] VehicleState& vehicle() { return vehicle_; }
   [[nodiscard]] const VehicleState& vehicle() const { return vehicle_; }

@@ -1,5 +1,6 @@
 #include "cosiva/aiv/localisation/estimator.h"
 
+#include "cosiva/aiv/motion/motion.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
@@ -48,7 +49,19 @@ void PositionEstimator::take_over(const PositionEstimator& before) {
   counter_.take_over(before.counter_);
   on_path_.take_over_variance(before.on_path_);
   off_path_.take_over_manoeuvre(before.off_path_);
-  if (before.pose_known()) set_off_path(before.pose());
+  if (zone_.circuit.indirect() == before.zone_.circuit.indirect()) {
+    if (before.pose_known()) set_off_path(before.pose());
+    return;
+  }
+  counter_.restart();  // the boards count on in the body frame
+  if (before.known() && !before.off_path() && zone::is_reversed(zone_.circuit, before.zone_.circuit)) {
+    // Figure 13: on the request mDTCS is mirrored first; it is the position on the reversed circuit.
+    AivMotion motion{before.zone_.circuit, before.track_position()};
+    motion.on_indirect_move_req(before.zone_.circuit);
+    take_same_position({motion.current_section(), motion.mDTCS_m()});
+  } else if (before.pose_known()) {
+    set_off_path(turned_round(before.pose()));
+  }
 }
 
 EstimateStep PositionEstimator::on_odometry(const wire::Odometry& odometry) {

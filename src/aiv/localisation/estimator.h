@@ -65,7 +65,8 @@ class PositionEstimator {
   /// A manoeuvre was in progress when it was saved: how far it had come, and the section that it leads to if it is a
   /// turn at the end of track_position().section.
   void resume_manoeuvre(const Pose2& X_OB, std::optional<zone::SectionId> next);
-  /// In another zone with the same body: pose and odometer stay, and the vehicle is on no path until it joins one.
+  /// In another zone with the same body: pose and odometer stay, and the vehicle is on no path until it joins one. Only
+  /// on the same circuit in the other direction the vehicle stays on its path.
   void take_over(const PositionEstimator& before);
 
   /// The vehicle's course: on the present section now. The traversed sections stay if they are known.

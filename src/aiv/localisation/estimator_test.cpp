@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "cosiva/aiv/testing/test_zone.h"
+#include "cosiva/zone/testing/test_zones.h"
 
 namespace cosiva::aiv {
 namespace {
@@ -185,6 +186,42 @@ TEST(EstimateDeathTest, takes_no_goal_off_the_path_where_no_path_is_near) {
 TEST(EstimateDeathTest, takes_no_beacon_without_a_position) {
   OnPathEstimator estimator{lacet4().circuit, ideal};
   EXPECT_DEATH(static_cast<void>(estimator.on_beacon({0.0, 0.0}, 0.0, 0.0)), "known_");
+}
+
+const zone::TrafficZone& lacet4_indirect() {
+  static const zone::TrafficZone zone = [] {
+    const auto direct = zone::testing::configuration_file("lacet4.toml");
+    return zone::Rtm::initialise(zone::in_travel_direction(direct, zone::TravelDirection::indirect).value())->zone();
+  }();
+  return zone;
+}
+
+TEST(TravelDirectionChange, keeps_a_vehicle_on_its_path_at_its_point) {
+  Estimator before;
+  before.stopped_at("east", 1.0).drive(0.2);
+  PositionEstimator after{lacet4_indirect(), ideal};
+  after.take_over(before);
+  ASSERT_TRUE(after.known());
+  EXPECT_FALSE(after.off_path());
+  EXPECT_EQ(after.track_position().section, before.track_position().section);
+  EXPECT_NEAR(distance(after.pose(), before.pose()), 0.0, 1e-9);
+  EXPECT_NEAR(std::fabs(wrap_angle(after.pose().heading_rad - before.pose().heading_rad)), pi, 1e-9);
+  EXPECT_EQ(after.on_path_estimator().sigma_m(), before.on_path_estimator().sigma_m());
+  EXPECT_FALSE(after.counter().reading_um()) << "the next reading has the other sign";
+
+  Estimator again;
+  static_cast<PositionEstimator&>(again).take_over(after);
+  EXPECT_NEAR(again.track_position().s_m, before.track_position().s_m, 1e-12);
+}
+
+TEST(TravelDirectionChange, lets_a_vehicle_off_the_path_keep_its_pose) {
+  Estimator before;
+  before.set_off_path({0.05, 0.9, 0.3});
+  PositionEstimator after{lacet4_indirect(), ideal};
+  after.take_over(before);
+  ASSERT_TRUE(after.pose_known());
+  EXPECT_NEAR(distance(after.pose(), before.pose()), 0.0, 1e-9);
+  EXPECT_NEAR(wrap_angle(after.pose().heading_rad - 0.3 - pi), 0.0, 1e-9);
 }
 
 }  // namespace

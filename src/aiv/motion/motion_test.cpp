@@ -319,6 +319,24 @@ TEST(Motion, forward_then_backward_returns_to_the_start) {
   }));
 }
 
+TEST(Motion, in_indirect_direction_is_the_motion_on_the_reversed_circuit_with_the_same_body) {
+  EXPECT_TRUE(rc::check([] {
+    const auto circuit = any_loop();
+    const zone::Circuit back = reversed(circuit);
+    const zone::TrackPosition start = any_position(circuit);
+    AivMotion indirect{circuit, start, TravelDir::indirect()};
+    AivMotion direct{back, reversed(circuit, start)};
+    for (const double step_m : {0.01, 0.3, 2.0, 0.0, 7.5}) {
+      RC_ASSERT(std::fabs(indirect.move(circuit, step_m) - direct.move(back, step_m)) < 1e-9);
+      RC_ASSERT(distance(indirect.pose(circuit), direct.pose(back)) < 1e-6);
+      RC_ASSERT(std::fabs(wrap_angle(indirect.pose(circuit).heading_rad -
+                                     turned_round(direct.pose(back)).heading_rad)) < 1e-6);
+    }
+    RC_ASSERT(indirect.current_section() == direct.current_section());
+    RC_ASSERT(std::fabs(indirect.mDTCS_m() - direct.mDTCS_m()) < 1e-6);
+  }));
+}
+
 TEST(Motion, a_shift_and_its_opposite_cancel_and_keep_the_direction) {
   EXPECT_TRUE(rc::check([] {
     const auto circuit = any_loop();

@@ -115,7 +115,7 @@ std::optional<Pose2> ActionExecutor::pose_of(const Call& call) {
   const auto y = call.action.number("y");
   const auto theta = call.action.number("theta");
   if (x && y && theta && std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*theta))
-    return Pose2{*x, *y, wrap_angle(*theta)};
+    return travel_pose(call.context.zone(), {*x, *y, wrap_angle(*theta)});
   fail(call, call.action.action_type + " needs the numbers x, y and theta");
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 #include "cosiva/aiv/onboard/drive_cycle.h"
 
 #include "cosiva/base/expect.h"
+#include "cosiva/wire/messages/travel_frame.h"
 
 namespace cosiva::aiv {
 
@@ -10,22 +11,31 @@ DriveCycle::DriveCycle(const Supervision& supervision, VirtualPerception& percep
 
 void DriveCycle::run(SimTime now, DrivingContext& context, wire::Effects& effects) {
   Agent& agent = context.agent();
-  supervise(now, context.vehicle());
+  supervise(now, context);
   perception_.update(now, supervision_.server_lost(now), context);
   agent.heed(v2x_.survey(now, context));
   COSIVA_EXPECT(agent.vehicle().holds().has(Hold::board_lost) == supervision_.any_board_lost(now));
-  boards_.send(wire::Board::PILS, agent.decide(), effects);
+  const wire::Drive drive = agent.decide();
+  boards_.send(wire::Board::PILS, context.zone().circuit.indirect() ? turned_round(drive) : drive, effects);
   perception_.publish_change(now, context, session_, effects);
 }
 
-void DriveCycle::supervise(SimTime now, VehicleState& vehicle) const {
+/// The last ranges are of what is behind the vehicle.
+bool DriveCycle::ranges_backwards(const zone::TrafficZone& zone) const {
+  const auto& ranges = boards_.ranges();
+  return ranges && wire::points_forwards(*ranges) == zone.circuit.indirect();
+}
+
+void DriveCycle::supervise(SimTime now, DrivingContext& context) const {
+  VehicleState& vehicle = context.vehicle();
   if (supervision_.board_lost(now, wire::Board::PILS)) vehicle.on_odometry_lost();
   const auto faulty = [&](wire::Board board) { return boards_.health(board).self_test != 0; };
   vehicle.hold(Hold::broker_lost, supervision_.broker_lost(now));
   vehicle.hold(Hold::server_lost, supervision_.server_lost(now));
   vehicle.hold(Hold::board_lost, supervision_.any_board_lost(now));
   // The vehicle could go on without power readings or tags, not without wheels or obstacle sensor.
-  vehicle.hold(Hold::board_faulty, faulty(wire::Board::PILS) || faulty(wire::Board::DOBS));
+  vehicle.hold(Hold::board_faulty,
+               faulty(wire::Board::PILS) || faulty(wire::Board::DOBS) || ranges_backwards(context.zone()));
 }
 
 }  // namespace cosiva::aiv

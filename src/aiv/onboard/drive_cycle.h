@@ -21,7 +21,8 @@ class DriveCycle {
   void run(SimTime now, DrivingContext& context, wire::Effects& effects);
 
  private:
-  void supervise(SimTime now, VehicleState& vehicle) const;
+  [[nodiscard]] bool ranges_backwards(const zone::TrafficZone& zone) const;
+  void supervise(SimTime now, DrivingContext& context) const;
 
   const Supervision& supervision_;
   VirtualPerception& perception_;

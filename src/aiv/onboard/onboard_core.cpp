@@ -21,6 +21,7 @@
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
+#include "cosiva/wire/messages/travel_frame.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
@@ -219,7 +220,7 @@ void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
 
 void OnboardCore::Parts::on_board(SimTime now, const wire::Odometry& odometry) {
   if (!context) return;
-  estimation.on_odometry(now, odometry, *context);
+  estimation.on_odometry(now, context->zone().circuit.indirect() ? turned_round(odometry) : odometry, *context);
   if (!context->vehicle().position().pose_known()) positions.find_position(*context);
 }
 
@@ -238,7 +239,10 @@ void OnboardCore::Parts::on_board(SimTime now, const wire::TagRead& tag) {
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Ranges& ranges) {
-  if (context) context->vehicle().on_ranges(ranges);
+  if (!context) return;
+  const bool indirect = context->zone().circuit.indirect();
+  if (points_forwards(ranges) == indirect) return;  // the fan points backwards: the vehicle does not drive meanwhile
+  context->vehicle().on_ranges(indirect ? turned_round(ranges) : ranges);
 }
 
 void OnboardCore::Parts::on_board(SimTime, const wire::Power& power) {
@@ -361,8 +365,11 @@ void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) 
   const VehicleState& vehicle = context->vehicle();
   const zone::TrafficZone& zone = context->zone();
   const Pose2 X_BS{0.5 * zone.vehicle.length_m, 0.0, 0.0};
-  auto detection = context->sighting().on_frame(now, vehicle.watch().scan(), *boards.ranges(),
-                                                vehicle.position().pose() * X_BS, vehicle.watch().reach_m());
+  // The sensor is at the vehicle's leading end, in either direction.
+  const wire::Ranges& ranges = *boards.ranges();
+  auto detection =
+      context->sighting().on_frame(now, vehicle.watch().scan(), zone.circuit.indirect() ? turned_round(ranges) : ranges,
+                                   vehicle.position().pose() * X_BS, vehicle.watch().reach_m());
   if (!detection) return;
   detection->map_id = zone.name;
   session.publish(now, std::move(*detection), effects);
@@ -490,7 +497,7 @@ std::vector<std::string> OnboardCore::ports() const { return parts_->boards.port
 std::optional<Pose2> OnboardCore::estimated_pose() const {
   const auto& context = parts_->context;
   if (!context || !context->vehicle().position().pose_known()) return std::nullopt;
-  return context->vehicle().position().pose();
+  return body_pose(context->zone(), context->vehicle().position().pose());
 }
 
 double OnboardCore::estimated_speed_mps() const {

@@ -21,6 +21,16 @@ constexpr SimDuration zone_arrives_within = std::chrono::seconds{3};
 constexpr double same_position_m = 0.02;
 constexpr double same_heading_rad = 0.05;
 
+/// What is saved is in the body frame, what the vehicle computes with in the travel frame: the one as the other.
+PersistedPosition in_other_frame(const zone::TrafficZone& zone, PersistedPosition position) {
+  if (!zone.circuit.indirect()) return position;
+  position.odometer_um = -position.odometer_um;
+  if (position.pose) position.pose = turned_round(*position.pose);
+  if (position.manoeuvre)
+    position.manoeuvre = Pose2{-position.manoeuvre->x_m, -position.manoeuvre->y_m, position.manoeuvre->heading_rad};
+  return position;
+}
+
 PersistedPosition position_of(const DrivingContext& context, std::int64_t odometer_um, std::uint32_t pils_session) {
   const Agent& agent = context.agent();
   const PositionEstimator& position = agent.vehicle().position();
@@ -41,7 +51,7 @@ PersistedPosition position_of(const DrivingContext& context, std::int64_t odomet
   }
   if (const auto remaining = position.on_path_estimator().path().course().remaining(); !remaining.empty())
     now_here.next = context.zone().circuit.part(remaining.front()).name;
-  return now_here;
+  return in_other_frame(context.zone(), std::move(now_here));
 }
 
 }  // namespace
@@ -97,46 +107,48 @@ void PositionStore::find_position(DrivingContext& context) {
 }
 
 bool PositionStore::restore_position(DrivingContext& context) {
-  if (restored_->session != *pils_session_) return false;
+  const PersistedPosition restored = in_other_frame(context.zone(), *restored_);
+  if (restored.session != *pils_session_) return false;
   VehicleState& vehicle = context.vehicle();
   const zone::Circuit& circuit = context.zone().circuit;
   const std::int64_t reading_um = *vehicle.position().counter().reading_um();
-  const double distance_m = 1e-6 * (static_cast<double>(reading_um) - static_cast<double>(restored_->odometer_um));
+  const double distance_m = 1e-6 * (static_cast<double>(reading_um) - static_cast<double>(restored.odometer_um));
   if (!(std::fabs(distance_m) <= saved_distance_m_max)) return false;
   // A position that was known before and has driven on since is no longer where it was saved.
   if (vehicle.position().pose_known() && std::fabs(distance_m) > off_line_distance_m_max) return false;
-  if (!restored_->off_path) {
-    if (const auto track_position = restored_position(circuit, distance_m)) {
+  if (!restored.off_path) {
+    if (const auto track_position = restored_position(circuit, restored, distance_m)) {
       vehicle.estimator().position_at(*track_position);
-      const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
-      if (restored_->manoeuvre) vehicle.estimator().resume_manoeuvre(*restored_->manoeuvre, next);
+      const auto next = restored.next ? circuit.find(*restored.next) : std::nullopt;
+      if (restored.manoeuvre) vehicle.estimator().resume_manoeuvre(*restored.manoeuvre, next);
       return true;
     }
   }
-  if (!restored_->pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
+  if (!restored.pose || std::fabs(distance_m) > off_line_distance_m_max) return false;
   // PILS's present report of a manoeuvre is newer than the saved one.
   const auto& manoeuvred = vehicle.position().off_path_estimator().manoeuvred();
-  const Pose2 X_OB = manoeuvred ? *manoeuvred : restored_->manoeuvre.value_or(Pose2{});
-  vehicle.estimator().set_off_path(*restored_->pose * X_OB);
-  if (restored_->manoeuvre) vehicle.estimator().resume_manoeuvre(*restored_->manoeuvre, std::nullopt);
+  const Pose2 X_OB = manoeuvred ? *manoeuvred : restored.manoeuvre.value_or(Pose2{});
+  vehicle.estimator().set_off_path(*restored.pose * X_OB);
+  if (restored.manoeuvre) vehicle.estimator().resume_manoeuvre(*restored.manoeuvre, std::nullopt);
   return true;
 }
 
 std::optional<zone::TrackPosition> PositionStore::restored_position(const zone::Circuit& circuit,
-                                                                    double distance_m) const {
-  const auto section = circuit.find(restored_->section);
-  if (!section || !std::isfinite(restored_->s_m)) return std::nullopt;
-  const zone::TrackPosition track_position{*section, restored_->s_m};
-  if (restored_->pose) {
+                                                                    const PersistedPosition& restored,
+                                                                    double distance_m) {
+  const auto section = circuit.find(restored.section);
+  if (!section || !std::isfinite(restored.s_m)) return std::nullopt;
+  const zone::TrackPosition track_position{*section, restored.s_m};
+  if (restored.pose) {
     // The section of the same name may lie elsewhere by now.
-    if (!(restored_->s_m >= 0.0 && restored_->s_m <= circuit.section(*section).length_m() + same_position_m))
+    if (!(restored.s_m >= 0.0 && restored.s_m <= circuit.section(*section).length_m() + same_position_m))
       return std::nullopt;
     const Pose2 X_MP = circuit.pose_at(circuit.advance(track_position, 0.0));
-    if (distance(X_MP, *restored_->pose) > same_position_m ||
-        std::fabs(wrap_angle(X_MP.heading_rad - restored_->pose->heading_rad)) > same_heading_rad)
+    if (distance(X_MP, *restored.pose) > same_position_m ||
+        std::fabs(wrap_angle(X_MP.heading_rad - restored.pose->heading_rad)) > same_heading_rad)
       return std::nullopt;
   }
-  const auto next = restored_->next ? circuit.find(*restored_->next) : std::nullopt;
+  const auto next = restored.next ? circuit.find(*restored.next) : std::nullopt;
   if (!next) return circuit.advance(track_position, distance_m);
   return circuit.advance(track_position, distance_m, std::array{*next});
 }

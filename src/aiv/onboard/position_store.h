@@ -50,8 +50,9 @@ class PositionStore {
   /// Sets the estimate to the restored position: false where it is impossible.
   [[nodiscard]] bool restore_position(DrivingContext& context);
   void restore_in_another_zone(SimTime now, DrivingContext& context);
-  [[nodiscard]] std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit,
-                                                                     double distance_m) const;
+  [[nodiscard]] static std::optional<zone::TrackPosition> restored_position(const zone::Circuit& circuit,
+                                                                            const PersistedPosition& restored,
+                                                                            double distance_m);
   void save(bool due, const DrivingContext& context, wire::Effects& effects);
 
   std::optional<OnboardOptions::Start> start_;

@@ -20,13 +20,16 @@ std::string three_decimals(double value_m) { return in_decimals(value_m, 3); }
 /// "0.42 m"
 std::string in_three_decimals(double value_m) { return three_decimals(value_m) + " m"; }
 
-wire::AgvPosition position_of(const VehicleState& vehicle, const std::string& map_id) {
-  const PositionEstimator& estimator = vehicle.position();
-  return {estimator.pose(), map_id, true, std::nullopt, 2.0 * estimator.on_path_estimator().sigma_m()};
+wire::AgvPosition position_of(const Agent& agent, const std::string& map_id) {
+  const PositionEstimator& estimator = agent.vehicle().position();
+  return {body_pose(agent.zone(), estimator.pose()), map_id, true, std::nullopt,
+          2.0 * estimator.on_path_estimator().sigma_m()};
 }
 
-wire::Velocity velocity_of(const VehicleState& vehicle) {
-  return {vehicle.motion().speed_mps(), 0.0, vehicle.turn_rate_radps()};
+/// In the body frame, as the standard has it.
+wire::Velocity velocity_of(const Agent& agent) {
+  const double speed_mps = agent.vehicle().motion().speed_mps();
+  return {agent.zone().circuit.indirect() ? -speed_mps : speed_mps, 0.0, agent.vehicle().turn_rate_radps()};
 }
 
 wire::VehicleError condition(std::string type, std::string description, std::vector<wire::Reference> references = {}) {
@@ -105,9 +108,9 @@ void add_agent(const Agent& agent, const ReportSources& from, wire::State& state
   state.paused = vehicle.holds().has(Hold::paused);
   state.new_base_request = agent.decision().wants_base;
   state.field_violation = agent.decision().blocked;
-  state.velocity = velocity_of(vehicle);
+  state.velocity = velocity_of(agent);
   const PositionEstimator& estimator = vehicle.position();
-  if (estimator.pose_known()) state.position = position_of(vehicle, from.maps.front().map_id);
+  if (estimator.pose_known()) state.position = position_of(agent, from.maps.front().map_id);
   if (const auto& tag = estimator.last_tag()) {
     state.information.push_back({"lastTag",
                                  {},
@@ -149,8 +152,8 @@ wire::BoardsReport compose_boards_report(const ReportSources& from, const std::o
 
 wire::Visualization compose_visualization(const Agent& agent, const std::string& map_id) {
   wire::Visualization visualization;
-  if (agent.vehicle().position().pose_known()) visualization.position = position_of(agent.vehicle(), map_id);
-  visualization.velocity = velocity_of(agent.vehicle());
+  if (agent.vehicle().position().pose_known()) visualization.position = position_of(agent, map_id);
+  visualization.velocity = velocity_of(agent);
   return visualization;
 }
 

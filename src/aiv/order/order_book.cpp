@@ -38,6 +38,8 @@ Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Star
   }
   if (auto checked = check_abilities(order, supported_actions_); !checked)
     return tl::unexpected(std::move(checked.error()));
+  if (auto checked = check_orientation(order, zone_.circuit.indirect()); !checked)
+    return tl::unexpected(std::move(checked.error()));
   if (!reference.position_known) return fail("noRouteError", "the vehicle's position is not known");
   return same_order ? offer_update(order, reference) : offer_new(order, reference);
 }

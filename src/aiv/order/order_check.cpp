@@ -94,6 +94,17 @@ Result<void> check_shape(const wire::Order& order) {
   return {};
 }
 
+Result<void> check_orientation(const wire::Order& order, bool backwards) {
+  for (std::size_t i = 0; i < order.edges.size(); ++i) {
+    if (order.edges[i].backwards.value_or(backwards) == backwards) continue;
+    return fail("orderError",
+                backwards ? "on this map vehicles drive backwards, with an orientation of π"
+                          : "on this map vehicles drive forwards, with an orientation of 0",
+                at("edges", i, "orientation"));
+  }
+  return {};
+}
+
 Result<void> check_abilities(const wire::Order& order, std::span<const std::string> supported_actions) {
   for (std::size_t i = 0; i < order.edges.size(); ++i) {
     const wire::OrderEdge& edge = order.edges[i];

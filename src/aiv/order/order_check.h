@@ -13,6 +13,10 @@ namespace cosiva::aiv {
 /// validationError, with the field as location.
 [[nodiscard]] Result<void> check_shape(const wire::Order& order);
 
+/// Vehicles of a zone drive either forwards or backwards along its edges; an order that leaves the orientation open
+/// accepts both. Error code: orderError.
+[[nodiscard]] Result<void> check_orientation(const wire::Order& order, bool backwards);
+
 /// Limits of this vehicle (§6.1.1: a field that cannot be honoured refuses the order). Error code: orderError.
 [[nodiscard]] Result<void> check_abilities(const wire::Order& order, std::span<const std::string> supported_actions);
 

@@ -134,5 +134,20 @@ TEST(OrderAbilities, name_the_first_field_or_action_that_the_vehicle_does_not_su
   EXPECT_EQ(no_trajectory.error(), (Error{"orderError", "'trajectory' is not supported", "edges[1].trajectory"}));
 }
 
+TEST(OrderOrientation, is_that_of_the_zone_s_vehicles_or_open) {
+  OrderText text = three_nodes();
+  EXPECT_TRUE(check_orientation(text, false));
+  EXPECT_TRUE(check_orientation(text, true));
+  text.edge(1).backwards = true;
+  EXPECT_TRUE(check_orientation(text, true));
+  const auto refused = check_orientation(text, false);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), (Error{"orderError", "on this map vehicles drive forwards, with an orientation of 0",
+                                    "edges[1].orientation"}));
+  text.edge(1).backwards = false;
+  EXPECT_TRUE(check_orientation(text, false));
+  EXPECT_FALSE(check_orientation(text, true));
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

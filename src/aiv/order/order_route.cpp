@@ -90,7 +90,8 @@ Result<std::vector<zone::TrackPosition>> OrderRouter::by_position(const wire::Or
   circuit.near({at->x_m, at->y_m}, node_off_circuit_m_max, near);
   if (at->theta_rad) {
     std::erase_if(near, [&](const zone::Circuit::Located& located) {
-      return std::fabs(wrap_angle(circuit.pose_at(located.position).heading_rad - *at->theta_rad)) > pi / 2.0;
+      const double heading_rad = body_pose(zone_, circuit.pose_at(located.position)).heading_rad;
+      return std::fabs(wrap_angle(heading_rad - *at->theta_rad)) > pi / 2.0;
     });
   }
   if (near.empty()) return fail("noRouteError", named(node) + " does not lie on the circuit");

@@ -110,9 +110,10 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   const PositionEstimator& position = agent.vehicle().position();
   wire::Intent intent;
   intent.map_id = zone.name;
-  const Pose2 X_MB = position.pose();
+  const Pose2 X_MB = body_pose(zone, position.pose());
   intent.pose = {thousandths(X_MB.x_m), thousandths(X_MB.y_m), thousandths(wrap_angle(X_MB.heading_rad))};
-  intent.speed_mps = thousandths(agent.vehicle().motion().speed_mps());
+  const double speed_mps = agent.vehicle().motion().speed_mps();
+  intent.speed_mps = thousandths(zone.circuit.indirect() ? -speed_mps : speed_mps);  // along the body's heading
   intent.braking = agent.braking();
   if (!position.known() || position.off_path()) return intent;
   const zone::TrackPosition here = position.track_position();

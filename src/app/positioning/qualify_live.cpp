@@ -83,7 +83,11 @@ class LiveTest {
     if (payload.empty()) return;
     const auto format = topic.substr(name + std::string_view{"/zone/"}.size());
     auto rtm = zone::Rtm::initialise(zone::from_payload(std::string(format), std::string(topic), payload));
-    if (rtm) runs_.on_zone(rtm->shared_zone());  // a zone that cannot be read is in force on no vehicle
+    if (!rtm) return;  // a zone that cannot be read is in force on no vehicle
+    if (rtm->zone().circuit.indirect())
+      print_info("cosiva: '" + rtm->zone().name + "' is not used: runs are in direct direction of travel");
+    else
+      runs_.on_zone(rtm->shared_zone());
   }
 
   void heartbeat() {

@@ -9,7 +9,11 @@ namespace cosiva::app {
 
 std::vector<ZoneLibrary::Entry> FileZoneLibrary::zones() const {
   std::vector<Entry> entries;
-  for (const ReadyZone& ready : ready_zones()) entries.push_back({ready.name, title_of(ready)});
+  for (const ReadyZone& ready : ready_zones()) {
+    const std::string title = title_of(ready);
+    entries.push_back({ready.name, title});
+    entries.push_back({ready.name + std::string(indirect_ending), title + ", indirect direction"});
+  }
   return entries;
 }
 

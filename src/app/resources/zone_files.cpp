@@ -96,6 +96,10 @@ Result<std::string> find_zone_file(const std::string& name_or_file) {
 
 Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file, const std::string& sidecar_file) {
   auto file = find_zone_file(name_or_file);
+  if (!file && name_or_file.ends_with(indirect_ending)) {
+    const auto direct = load_zone(name_or_file.substr(0, name_or_file.size() - indirect_ending.size()), sidecar_file);
+    return direct ? zone::in_travel_direction(*direct, zone::TravelDirection::indirect) : direct;
+  }
   if (!file) return tl::unexpected(file.error());
   if (file->ends_with(sidecar_file_ending)) {
     return fail("zone.format",

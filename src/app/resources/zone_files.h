@@ -15,12 +15,16 @@ namespace cosiva::app {
 /// The ending of sidecar files' names.
 inline constexpr std::string_view sidecar_file_ending = ".zone.toml";
 
+/// Added to a zone's name or file: the same zone, whose vehicles travel in indirect direction (A32).
+inline constexpr std::string_view indirect_ending = "-indirect";
+
 /// Finds a zone by file name, or by the name of a ready zone ("lacet4"), in the user's own folder, next to the source
 /// tree of this build, in the installed share folder, and in ./zones. Fails ("zone.missing") with the searched folders
 /// and the available names.
 [[nodiscard]] Result<std::string> find_zone_file(const std::string& name_or_file);
 /// The file's bytes with their format and origin, and those of the sidecar file: the given one, else the one next to
-/// the file, if any. Fails ("zone.format") on a file whose ending belongs to no format.
+/// the file, if any. "lacet4-indirect" is "lacet4" for travel in indirect direction, unless there is a zone of that
+/// name. Fails ("zone.format") on a file whose ending belongs to no format.
 [[nodiscard]] Result<zone::ZoneConfiguration> load_zone(const std::string& name_or_file,
                                                         const std::string& sidecar_file = {});
 

@@ -9,6 +9,11 @@ namespace cosiva::app {
 Result<WrittenZone> write_as(const std::string& format, const std::string& file, const zone::TrafficZone& zone) {
   const auto factory = zone::circuit_factory_for(format);
   if (!factory) return tl::unexpected(factory.error());
+  if (zone.circuit.indirect())
+    return fail("zone.write",
+                "a zone of indirect travel has no file of its own: convert the zone that it is travelled in, whose "
+                "travel_direction is direct",
+                file);
   WrittenZone made{format, file, {}, {}};
   const auto written = (*factory)->written(zone, made.lost);
   if (!written) return tl::unexpected(written.error());

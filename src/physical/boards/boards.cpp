@@ -67,13 +67,13 @@ void PilsBoard::tick(SimTime now, const WheelReadings& readings, BoardOutput out
 
 std::optional<wire::Drive> PilsBoard::drive(SimTime now, double distance_m) {
   if (!driven(now)) return std::nullopt;
-  if (!drive_->room_mm || drive_->speed_mmps <= 0) return drive_;
+  if (!drive_->room_mm || drive_->speed_mmps == 0) return drive_;
   if (!received_at_m_) received_at_m_ = distance_m;
-  const double left_m = 1e-3 * *drive_->room_mm - (distance_m - *received_at_m_);
+  const double left_m = 1e-3 * *drive_->room_mm - std::fabs(distance_m - *received_at_m_);
   const double limit_mmps = 1e3 * aiv::plain::stoppable_speed(left_m, room_braking_mps2, room_late_s);
-  if (drive_->speed_mmps <= limit_mmps) return drive_;
+  if (std::fabs(drive_->speed_mmps) <= limit_mmps) return drive_;
   wire::Drive limited = *drive_;
-  limited.speed_mmps = static_cast<std::int16_t>(limit_mmps);
+  limited.speed_mmps = static_cast<std::int16_t>(std::copysign(limit_mmps, drive_->speed_mmps));
   limited.braking_mmps2 = std::max(limited.braking_mmps2, static_cast<std::uint16_t>(1e3 * room_braking_mps2));
   return limited;
 }
@@ -132,6 +132,7 @@ void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, BoardO
   auto& ranges = std::get<wire::Ranges>(ranges_);
   COSIVA_EXPECT(ranges.range_mm.size() == beams);
   ranges.board_ms = link_.board_ms(now);
+  ranges.first_bearing_crad = static_cast<std::int16_t>(first_bearing_crad + (at_rear_ ? half_turn_crad : 0));
   for (std::size_t i = 0; i < beams; ++i)
     ranges.range_mm[i] = range_m[i] < 0.0 ? wire::no_echo : quantise<std::uint16_t>(range_m[i], 1e-3);
   link_.send(ranges_, out);

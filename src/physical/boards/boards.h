@@ -85,12 +85,14 @@ class PravBoard {
   std::string display_;
 };
 
-/// Obstacle ranging (A17): a fan of sectors in front, 60 ms apart as echoes need. Invariant: one range for each beam.
+/// Obstacle ranging (A17): a fan of sectors at the vehicle's leading end, 60 ms apart as echoes need. Invariant: one
+/// range for each beam.
 class DobsBoard {
  public:
   static constexpr std::size_t beams = 13;
   static constexpr std::uint16_t beam_width_crad = 14;
   static constexpr std::int16_t first_bearing_crad = -84;  ///< thirteen beams centred on straight ahead
+  static constexpr std::int16_t half_turn_crad = 314;      ///< added to the bearings of the fan at the rear
   static constexpr double reach_m = 2.0;                   ///< from the sensor
 
   [[nodiscard]] BoardLink& link() { return link_; }
@@ -98,6 +100,8 @@ class DobsBoard {
   void power_up(SimTime now, std::uint32_t session, SimDuration phase);
   void on_bytes(SimTime now, std::string_view bytes);
   void on_frame(SimTime now, const wire::BoardFrames::Frame& frame);
+  /// The sensor at the rear measures from now on, or the one at the front: whichever end leads.
+  void select_rear(bool at_rear) { at_rear_ = at_rear; }
   /// True when the next tick sends ranges and therefore needs them.
   [[nodiscard]] bool wants_scan(SimTime now) const { return scan_.due(now); }
   /// @param range_m  one per beam [m], negative: no echo; used only when wants_scan(now)
@@ -109,6 +113,7 @@ class DobsBoard {
  private:
   BoardLink link_{wire::Board::DOBS};
   Every scan_{std::chrono::milliseconds{60}};
+  bool at_rear_{false};
   wire::BoardMessage ranges_{wire::Ranges{}};  ///< stored, so that a scan allocates nothing
 };
 

@@ -196,12 +196,14 @@ TEST(Pils, lets_the_motors_run_no_faster_than_they_can_stop_within_the_room_of_t
   EXPECT_EQ(board.drive(start + 40ms, 7.3), drive) << "the next Drive counts from where it arrives";
 }
 
-TEST(Pils, drives_backwards_whatever_the_room_of_the_drive) {
+TEST(Pils, stops_within_the_room_of_a_drive_backwards_as_well) {
   PilsBoard board;
   board.power_up(start, 1, 0ms);
-  const wire::Drive drive{-200, 800, 600, 0, false, std::nullopt, 0};
+  const wire::Drive drive{-500, 800, 600, 0, false, std::nullopt, 200};
   board.on_bytes(start, encode(drive, 0));
-  EXPECT_EQ(board.drive(start, 0.0), drive);
+  EXPECT_EQ(board.drive(start, -7.0), drive);
+  EXPECT_EQ(board.drive(start + 20ms, -7.1)->speed_mmps, -400) << "v²/2 + 0.05·v = 0.1";
+  EXPECT_EQ(board.drive(start + 30ms, -7.2)->speed_mmps, 0);
 }
 
 TEST(Prav, sends_a_tag_with_its_age_once_the_reader_has_it) {
@@ -230,6 +232,25 @@ TEST(Prav, shows_the_last_text) {
   board.power_up(start, 1);
   board.on_bytes(start, encode(wire::Display{"AIV 1"}, 0) + encode(wire::Display{"0.5 m/s"}, 1));
   EXPECT_EQ(board.display(), "0.5 m/s");
+}
+
+TEST(Dobs, sends_the_bearings_of_the_sensor_at_the_rear_while_that_end_leads) {
+  DobsBoard board;
+  board.power_up(start, 1, 0ms);
+  board.link().connect(true);
+  std::array<double, DobsBoard::beams> ranges;
+  ranges.fill(-1.0);
+  Listener listener;
+  for (const bool at_rear : {false, true}) {
+    board.select_rear(at_rear);
+    std::string out;
+    board.tick(start + (at_rear ? 60ms : 0ms), ranges, out);
+    listener.receive(out);
+  }
+  const auto scans = listener.all<wire::Ranges>();
+  ASSERT_EQ(scans.size(), 2U);
+  EXPECT_EQ(scans[0].first_bearing_crad, -84);
+  EXPECT_EQ(scans[1].first_bearing_crad, -84 + 314) << "its centre beam, the seventh, points at π";
 }
 
 TEST(Dobs, sends_its_fan_every_60_ms) {

@@ -20,7 +20,7 @@ std::string ground_truth_json(SimTime now, std::span<const Vehicle> vehicles, co
   JsonWriter json;
   json.begin_object().field("timestamp", to_iso8601(now)).key("vehicles").begin_array();
   for (const Vehicle& vehicle : vehicles) {
-    const Pose2& pose = vehicle.motion().body().X_MB;
+    const Pose2 pose = body_pose(vehicle);
     json.begin_object().field("number", vehicle.number()).field("x", rounded(pose.x_m)).field("y", rounded(pose.y_m));
     json.field("heading", rounded(pose.heading_rad)).field("speed", rounded(vehicle.motion().speed_mps()));
     json.field("charge", rounded(vehicle.charge())).end_object();
@@ -35,7 +35,7 @@ std::string ground_truth_json(SimTime now, std::span<const Vehicle> vehicles, co
 }
 
 wire::GvsDetections::Detection detection_of(const Vehicle& vehicle, SimTime now) {
-  const Pose2& pose = vehicle.motion().body().X_MB;
+  const Pose2 pose = body_pose(vehicle);
   const wire::VehicleId id{std::string(wire::our_manufacturer), "AIV" + std::to_string(vehicle.number())};
   return {wire::to_string(id), 0, now, {rounded(pose.x_m), rounded(pose.y_m), rounded(pose.heading_rad)}, 0.0};
 }

@@ -195,7 +195,7 @@ void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
 
 void PlantCore::fold(Digest& digest) const {
   for (const Vehicle& vehicle : impl_->vehicles) {
-    const Pose2& pose = vehicle.motion().body().X_MB;
+    const Pose2 pose = body_pose(vehicle);
     digest.add(pose.x_m);
     digest.add(pose.y_m);
     digest.add(pose.heading_rad);
@@ -230,7 +230,7 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
     const LineVehicle& motion = vehicle.motion();
     const PowerTrain& power = vehicle.power();
     ground_truth.push_back({vehicle.number(),
-                            motion.body().X_MB,
+                            body_pose(vehicle),
                             motion.speed_mps(),
                             vehicle.trip().distance_m(),
                             vehicle.trip().laps(),
@@ -262,7 +262,7 @@ std::string PlantCore::summary_json() const {
   JsonWriter json;
   json.begin_object().key("vehicles").begin_array();
   for (const Vehicle& vehicle : impl_->vehicles) {
-    const Pose2& pose = vehicle.motion().body().X_MB;
+    const Pose2 pose = body_pose(vehicle);
     laps += vehicle.trip().laps();
     longest_wait_s = std::max(longest_wait_s, vehicle.trip().longest_wait_s());
     json.begin_object().field("number", vehicle.number()).field("x", pose.x_m).field("y", pose.y_m);

@@ -7,6 +7,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/battery/cell_table.h"
 #include "cosiva/physical/plant/plant_options.h"
+#include "cosiva/wire/messages/travel_frame.h"
 
 namespace cosiva::physical {
 namespace {
@@ -14,6 +15,10 @@ namespace {
 Random stream(std::uint64_t seed, std::uint32_t number, std::string_view purpose) {
   return {seed, "aiv" + std::to_string(number) + "/" + std::string(purpose)};
 }
+
+/// A length or speed along an axis of the travel frame, in which the motion is, in the body frame, in which the boards
+/// are.
+double in_body_frame(const Floor& floor, double value) { return floor.zone->circuit.indirect() ? -value : value; }
 
 DriveCommand to_command(const wire::Drive& drive) {
   return {drive.speed_mmps * 1e-3,
@@ -39,7 +44,9 @@ Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone:
           floor_->tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
       power_{cells, stream(seed, number, "gauge")},
       boards_{number, noise, stream(seed, number, "ranges")},
-      trip_{floor_->loop_length_m} {}
+      trip_{floor_->loop_length_m} {
+  boards_.select_rear_sensor(floor_->zone->circuit.indirect());
+}
 
 void Vehicle::power_up(SimTime now, std::uint64_t seed) {
   boards_.power_up(now, stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session"));
@@ -55,7 +62,8 @@ void Vehicle::move(SimTime now, SimDuration dt) {
 }
 
 void Vehicle::step(SimTime now, double dt_s) {
-  const auto drive = power_.cut_off() ? std::nullopt : boards_.drive(now, odometer_.distance_m());
+  auto drive = power_.cut_off() ? std::nullopt : boards_.drive(now, odometer_.distance_m());
+  if (drive && floor_->zone->circuit.indirect()) drive = turned_round(*drive);
   DriveCommand command = drive ? to_command(*drive) : DriveCommand{};
   if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
@@ -68,7 +76,7 @@ void Vehicle::step(SimTime now, double dt_s) {
     step_manoeuvre();
   }
   trip_.add(moved_m);
-  odometer_.add(moved_m, motion_.step_acceleration_mps2());
+  odometer_.add(in_body_frame(*floor_, moved_m), motion_.step_acceleration_mps2());
   if (motion_.following()) read_tags(now, before);
 
   drive_energy_j_ += power_.cart().drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
@@ -85,15 +93,17 @@ void Vehicle::step_manoeuvre() {
   if (!in_manoeuvre_) odometer_.begin_manoeuvre();
   in_manoeuvre_ = motion_.manoeuvre() != nullptr;
   const auto [turned_rad, traversed_m] = motion_.step_manoeuvre();
-  odometer_.add_manoeuvre(turned_rad, traversed_m);
+  odometer_.add_manoeuvre(turned_rad, in_body_frame(*floor_, traversed_m));
   drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, traversed_m);
 }
 
 void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
   COSIVA_EXPECT(is_stopped());
+  const bool turns = floor->zone->circuit.indirect() != floor_->zone->circuit.indirect();
   floor_ = std::move(floor);
   trip_.begin_floor(floor_->loop_length_m);
-  motion_.set_zone(floor_->zone->circuit);
+  motion_.set_zone(floor_->zone->circuit, turns);
+  boards_.select_rear_sensor(floor_->zone->circuit.indirect());
   tag_reader_.set_zone(floor_->tags);
   in_manoeuvre_ = false;
   awaits_floor_ = false;
@@ -121,7 +131,8 @@ void Vehicle::book_waiting(SimDuration dt) {
 
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
   boards_.speak(now,
-                {odometer_.distance_m(), motion_.speed_mps(), motion_.line_offset_m(), motion_.line_lost(),
+                {odometer_.distance_m(), in_body_frame(*floor_, motion_.speed_mps()),
+                 in_body_frame(*floor_, motion_.line_offset_m()), motion_.line_lost(),
                  in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
                 scan, power_.readings(), effects);
 }

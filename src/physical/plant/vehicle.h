@@ -49,6 +49,7 @@ class Vehicle {
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);
 
   [[nodiscard]] std::uint32_t number() const { return number_; }
+  /// In the travel frame of the floor's zone.
   [[nodiscard]] const LineVehicle& motion() const { return motion_; }
   [[nodiscard]] PowerTrain& power() { return power_; }
   [[nodiscard]] const PowerTrain& power() const { return power_; }
@@ -84,5 +85,10 @@ class Vehicle {
   double drive_time_s_{0.0};
   std::vector<TagReader::Reading> readings_;
 };
+
+/// X_MB of the vehicle's body, whose motion() is in the travel frame.
+[[nodiscard]] inline Pose2 body_pose(const Vehicle& vehicle) {
+  return zone::body_pose(*vehicle.floor()->zone, vehicle.motion().body().X_MB);
+}
 
 }  // namespace cosiva::physical

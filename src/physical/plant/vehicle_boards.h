@@ -45,6 +45,7 @@ class VehicleBoards {
     return pils_.drive(now, distance_m);
   }
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
+  void select_rear_sensor(bool at_rear) { dobs_.select_rear(at_rear); }
   /// Lets the boards send what is due, often nothing. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
              wire::Effects& effects);

@@ -243,9 +243,13 @@ void LineVehicle::end_manoeuvre() {
   put_body(sin, cos);
 }
 
-void LineVehicle::set_zone(const zone::Circuit& circuit) {
+void LineVehicle::set_zone(const zone::Circuit& circuit, bool turns) {
   COSIVA_EXPECT(is_stopped());
   circuit_ = &circuit;
+  if (turns) {
+    body_ = BodyPose::at(turned_round(body_.X_MB));
+    line_noise_m_ = -line_noise_m_;
+  }
   manoeuvre_.reset();
   off_path_ = true;
   came_from_ = zone::no_section;

@@ -51,7 +51,9 @@ class LineVehicle {
 
   /// The floor is this one from now on; the body stays in place, wherever the paths are. Only for a stopped body.
   /// @param circuit  must outlive this
-  void set_zone(const zone::Circuit& circuit);
+  /// @param turns    vehicles travel it in the other direction: the body's frame, whose x axis is the direction of
+  ///                 travel, turns round
+  void set_zone(const zone::Circuit& circuit, bool turns = false);
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
 

@@ -96,7 +96,8 @@ Result<Simulator::Reception> Simulator::receive(SimTime now, const zone::ZoneCon
 
   const bool drive_on = zone_ != nullptr && zone::same_geometry(*zone_, made);
   if (!drive_on) {
-    for (Twin& twin : twins_) twin.leave_circuit(circuit(), now);
+    const bool turns = made.circuit.indirect() != (zone_ != nullptr && zone_->circuit.indirect());
+    for (Twin& twin : twins_) twin.leave_circuit(circuit(), now, turns);
     // Detections refer to the old sections, and no vehicle checks their positions any more: they would stay for ever. A
     // vehicle that detects an obstacle near the new sections reports it within a tenth of a second.
     detected_.clear();

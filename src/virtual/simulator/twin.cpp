@@ -269,10 +269,10 @@ void Twin::correct_from(const zone::Circuit* circuit, const Image& shown) {
   correction_ = offset;
 }
 
-void Twin::leave_circuit(const zone::Circuit* circuit, SimTime now) {
+void Twin::leave_circuit(const zone::Circuit* circuit, SimTime now, bool turns) {
   if (!reported_) return;
   const Image shown = image_at(circuit, now);
-  report_.X_MB = shown.X_MB;
+  report_.X_MB = turns ? turned_round(shown.X_MB) : shown.X_MB;
   report_.vx_mps = 0.0;
   report_.vy_mps = 0.0;
   report_.omega_radps = 0.0;

@@ -18,9 +18,9 @@ namespace cosiva::virtual_side {
 /// What an AIV reports of its motion at one instant.
 struct MotionReport {
   SimTime at;                    ///< time of the measurement
-  Pose2 X_MB;                    ///< in map M
-  std::optional<double> vx_mps;  ///< along the body's x; nothing: derived from the last two positions
-  double vy_mps{};               ///< along the body's y
+  Pose2 X_MB;                    ///< in map M, of the travel frame (zone::travel_pose), like all poses of twins
+  std::optional<double> vx_mps;  ///< along its x; nothing: derived from the last two positions
+  double vy_mps{};               ///< along its y
   double omega_radps{};
   bool on_map{true};  ///< the report refers to the present zone; otherwise the motion is not extrapolated along its
                       ///< sections
@@ -69,7 +69,7 @@ class Twin {
   [[nodiscard]] std::span<const zone::SectionId> remaining(zone::SectionId section) const;
 
   /// The twin stays at its pose, off any circuit, until its next report: the zone has changed.
-  void leave_circuit(const zone::Circuit* circuit, SimTime now);
+  void leave_circuit(const zone::Circuit* circuit, SimTime now, bool turns = false);
 
   struct Image {
     Pose2 X_MB;

@@ -5,6 +5,7 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
+#include "cosiva/wire/messages/travel_frame.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -63,7 +64,9 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
   send_odometry(now, measured);
   send_readings(now);
   if (take(now, ranges_next_, std::chrono::milliseconds{60})) {
-    std::get<wire::Ranges>(no_echoes_).board_ms = board_ms(now);
+    wire::Ranges& ranges = std::get<wire::Ranges>(no_echoes_);
+    ranges.board_ms = board_ms(now);
+    if (points_forwards(ranges) == measured.indirect) ranges = turned_round(ranges);
     send(wire::Board::DOBS, no_echoes_);
   }
   // Two full cells at rest: a virtual AIV does not discharge its battery.
@@ -76,13 +79,14 @@ void SimulatedBoards::send_odometry(SimTime now, const Measured& measured) {
   };
   wire::Odometry odometry;
   odometry.board_ms = board_ms(now);
-  odometry.distance_um = static_cast<std::int64_t>(std::nearbyint(measured.odometer_m * 1e6));
   odometry.speed_mmps = quantise(measured.speed_mps, 1e-3);
   odometry.line_lost = measured.line_lost;
   if (const Pose2* moved = measured.manoeuvre) {
     odometry.speed_mmps = 0;
     odometry.manoeuvre = {quantise(moved->x_m, 1e-3), quantise(moved->y_m, 1e-3), quantise(moved->heading_rad, 1e-3)};
   }
+  if (measured.indirect) odometry = turned_round(odometry);
+  odometry.distance_um = static_cast<std::int64_t>(std::nearbyint(measured.odometer_m * 1e6));
   send(wire::Board::PILS, odometry);
 }
 

@@ -31,10 +31,11 @@ class SimulatedBoards {
 
   /// The boards' measurements of the body.
   struct Measured {
-    double odometer_m;
+    double odometer_m;  ///< in the body frame; all others are in the travel frame
     double speed_mps;
     bool line_lost;
     const Pose2* manoeuvre{nullptr};  ///< pose relative to the start of the manoeuvre, if there is one
+    bool indirect{false};             ///< the travel frame is the body frame turned round
   };
   /// Called at every tick: lets each board send its due messages; their bytes are available from `spoken` until the
   /// next call.

@@ -13,6 +13,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/virtual/vehicle/simulated_boards.h"
 #include "cosiva/virtual/vehicle/virtual_body.h"
+#include "cosiva/wire/messages/travel_frame.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -93,7 +94,10 @@ struct VirtualAiv::Impl {
     const SimDuration dt = std::clamp(now - moved_at.value_or(now), SimDuration::zero(), step_max);
     moved_at = now;
     readings.clear();
-    if (dt > SimDuration::zero()) body.move(boards.drive(now), to_seconds(dt), readings);
+    const wire::Drive* drive = boards.drive(now);
+    const bool turns = drive != nullptr && body.floor()->circuit.indirect();
+    const wire::Drive travel = turns ? turned_round(*drive) : wire::Drive{};
+    if (dt > SimDuration::zero()) body.move(turns ? &travel : drive, to_seconds(dt), readings);
     const double speed_mps = std::fabs(body.speed_mps());
     for (const Antenna::Reading& reading : readings) {
       const double ago_s = speed_mps > 1e-3 ? reading.before_end_m / speed_mps : 0.0;
@@ -102,7 +106,8 @@ struct VirtualAiv::Impl {
   }
 
   void speak(SimTime now, wire::Effects& out) {
-    boards.speak(now, {body.distance_m(), body.speed_mps(), body.line_lost(), body.manoeuvre()});
+    boards.speak(now, {body.distance_m(), body.speed_mps(), body.line_lost(), body.manoeuvre(),
+                       body.floor()->circuit.indirect()});
     for (const wire::Board board : wire::all_boards) {
       const std::string& bytes = boards.spoken(board);
       if (bytes.empty()) continue;

@@ -45,6 +45,7 @@ void VirtualBody::change_floor(std::shared_ptr<const zone::TrafficZone> zone) {
 
 void VirtualBody::adopt_next_zone() {
   X_MS_ = X_MB();
+  if (next_->circuit.indirect() != zone_->circuit.indirect()) X_MS_ = turned_round(X_MS_);
   zone_ = std::exchange(next_, nullptr);
   manoeuvre_.reset();
   off_line_ = true;
@@ -91,10 +92,10 @@ void VirtualBody::roll(double wanted_m, bool goes_on) {
     const zone::TrackPosition here = motion_.track_position(circuit);
     const double room_m = circuit.section(here.section).length_m() - here.s_m;
     if (left_m <= room_m) {
-      distance_m_ += motion_.move(circuit, left_m);
+      count(motion_.move(circuit, left_m));
       return;
     }
-    distance_m_ += room_m;
+    count(room_m);
     left_m -= room_m;
     const aiv::Onward onward = aiv::onward(circuit, here.section, branch_);
     if (onward.section == zone::no_section || onward.turn_rad != 0.0) {
@@ -116,10 +117,10 @@ void VirtualBody::roll_back(double wanted_m) {
   const auto branches = circuit.previous(here.section);
   const bool ends = branches.empty() || circuit.turn_at(branches.front(), here.section) != 0.0;
   if (-wanted_m <= here.s_m || !ends) {
-    distance_m_ += motion_.shift(circuit, wanted_m);
+    count(motion_.shift(circuit, wanted_m));
     return;
   }
-  distance_m_ -= here.s_m;
+  count(-here.s_m);
   stop_at({here.section, 0.0});
 }
 

@@ -29,11 +29,12 @@ class VirtualBody {
   /// brake
   void move(const wire::Drive* drive, double dt_s, std::vector<Antenna::Reading>& readings);
 
+  /// The travel frame's pose (zone::body_pose): its x axis is the direction of travel.
   [[nodiscard]] Pose2 X_MB() const;  // NOLINT(readability-identifier-naming): frames are written so everywhere
   /// On the path the present track position, in a turn that of the joint; off the path the nearest one of the floor.
   [[nodiscard]] zone::TrackPosition track_position() const;
   [[nodiscard]] double speed_mps() const { return manoeuvre_ ? manoeuvre_->speed_mps() : speed_mps_; }
-  /// As counted by the odometer: along sections, not in manoeuvres.
+  /// As counted by the odometer: along sections, not in manoeuvres, in the body frame (negative in indirect direction).
   [[nodiscard]] double distance_m() const { return distance_m_; }
   [[nodiscard]] bool line_lost() const { return off_line_ && !lies_on_line_; }
   /// The pose in a manoeuvre, relative to its start; nothing: no manoeuvre.
@@ -49,6 +50,7 @@ class VirtualBody {
 
  private:
   [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
+  void count(double travelled_m) { distance_m_ += zone_->circuit.indirect() ? -travelled_m : travelled_m; }
   void adopt_next_zone();
   void change_speed(const wire::Drive* drive, double dt_s);
   void roll(double wanted_m, bool goes_on);

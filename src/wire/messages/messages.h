@@ -79,6 +79,9 @@ struct OrderEdge {
   std::optional<double> max_speed_mps;
   std::optional<double> length_m;
   std::vector<Action> actions;
+  /// Whether the vehicle drives backwards along the edge: an orientation of π, or of 0, tangential to the path.
+  /// Nothing: the vehicle decides.
+  std::optional<bool> backwards;
   /// Optional fields of the standard that were present and that CoSiVA does not honour (§6.1.1: reject, never ignore).
   std::vector<std::string> unsupported;
   friend bool operator==(const OrderEdge&, const OrderEdge&) = default;

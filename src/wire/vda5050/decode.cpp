@@ -38,20 +38,29 @@ void read_node_position(Fields& fields, std::optional<NodePosition>& out) {
 
 /// Requirements of an edge that this line-guided fleet cannot fulfil (§6.1.1: reject, never ignore). The line gives the
 /// path, so `trajectory` would be another path; heights are for lifts; a corridor requires path planning. A body that
-/// is always tangential to the line fulfils the fields about turning (rotationAllowed, maxRotationSpeed, orientation
-/// 0), and the order's next node already determines what `direction` would.
+/// is always tangential to the line fulfils the fields about turning (rotationAllowed, maxRotationSpeed), and the
+/// order's next node already determines what `direction` would.
 void read_unsupported(Fields& fields, std::vector<std::string>& unsupported) {
   for (const std::string_view key : {"trajectory", "corridor", "maxHeight", "minHeight"}) {
     if (fields.has(key)) unsupported.emplace_back(key);
   }
+}
+
+/// Along the line a body points forwards or backwards: orientations of 0 and π, tangential to the path.
+void read_orientation(Fields& fields, OrderEdge& edge) {
   std::optional<double> orientation_rad;
   std::string orientation_type{"TANGENTIAL"};
   fields.angle("orientation", orientation_rad);
   fields.text("orientationType", orientation_type, Need::optional);
   // A hundredth of a degree: a peer's arithmetic may leave this much of a zero.
   constexpr double negligible_rad = 1.7e-4;
-  if (orientation_rad && (orientation_type != "TANGENTIAL" || std::fabs(*orientation_rad) > negligible_rad))
-    unsupported.emplace_back("orientation");
+  if (!orientation_rad) return;
+  const double turn_rad = std::fabs(wrap_angle(*orientation_rad));
+  const bool backwards = turn_rad > 0.5 * pi;
+  if (orientation_type != "TANGENTIAL" || (backwards ? pi - turn_rad : turn_rad) > negligible_rad)
+    edge.unsupported.emplace_back("orientation");
+  else
+    edge.backwards = backwards;
 }
 
 void read_order_node(Fields& fields, OrderNode& node) {
@@ -71,6 +80,7 @@ void read_order_edge(Fields& fields, OrderEdge& edge) {
   fields.number("maxSpeed", edge.max_speed_mps, 0.0);
   fields.number("length", edge.length_m, 0.0);
   read_unsupported(fields, edge.unsupported);
+  read_orientation(fields, edge);
   fields.each("actions", Need::optional, edge.actions, read_action);
 }
 

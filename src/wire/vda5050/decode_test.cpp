@@ -59,7 +59,7 @@ TEST(Reading, gives_the_values_of_the_message) {
   ASSERT_EQ(read->nodes.size(), 1U);
   EXPECT_EQ(read->nodes[0].position, (NodePosition{1.5, -2.0, 0.5, 0.1, {}, "m"}));
   ASSERT_EQ(read->edges.size(), 1U);
-  EXPECT_EQ(read->edges[0], (OrderEdge{"e", 1, true, "a", "b", 0.4, 2.0, {}, {}}));
+  EXPECT_EQ(read->edges[0], (OrderEdge{"e", 1, true, "a", "b", 0.4, 2.0, {}, {}, {}}));
 }
 
 TEST(Reading, ignores_unknown_fields) {
@@ -442,12 +442,23 @@ TEST(Reading, requires_type_and_id_of_an_action_and_key_and_value_of_its_paramet
   EXPECT_EQ(decode_instant_actions(two)->actions.size(), 1U);
 }
 
+TEST(Reading, knows_an_edge_driven_backwards_by_its_orientation_of_half_a_turn) {
+  const auto backwards = [](const std::string& field) {
+    return decode_order(order("", edge(field)))->edges[0].backwards;
+  };
+  EXPECT_EQ(backwards(""), std::nullopt);
+  EXPECT_EQ(backwards(R"(,"orientation":0)"), false);
+  for (const char* half : {"3.14159", "-3.14159265359", "3.1415926535"})
+    EXPECT_EQ(backwards(std::string(R"(,"orientationType":"TANGENTIAL","orientation":)") + half), true) << half;
+  EXPECT_EQ(backwards(R"(,"orientation":1.5)"), std::nullopt);
+}
+
 TEST(Reading, takes_an_orientation_up_to_a_hundredth_of_a_degree_for_zero) {
   const auto unsupported = [](const std::string& orientation) {
     return decode_order(order("", edge(R"(,"orientation":)" + orientation)))->edges[0].unsupported;
   };
   for (const char* negligible : {"0", "0.00017", "-0.00017"}) EXPECT_THAT(unsupported(negligible), IsEmpty());
-  for (const char* turned : {"0.00018", "-0.00018", "3.1"})
+  for (const char* turned : {"0.00018", "-0.00018", "3.1", "1.57"})
     EXPECT_THAT(unsupported(turned), ElementsAre("orientation")) << turned;
   const auto type_alone = decode_order(order("", edge(R"(,"orientationType":"GLOBAL")")));
   EXPECT_THAT(type_alone->edges[0].unsupported, IsEmpty());
@@ -461,7 +472,7 @@ TEST(Reading, lists_requirements_of_an_edge_that_a_line_guided_vehicle_cannot_fu
   EXPECT_THAT(unsupported(R"("trajectory":{"degree":1})"), ElementsAre("trajectory"));
   EXPECT_THAT(unsupported(R"("corridor":{"leftWidth":1,"rightWidth":1})"), ElementsAre("corridor"));
   EXPECT_THAT(unsupported(R"("maxHeight":1.5,"minHeight":0.5)"), ElementsAre("maxHeight", "minHeight"));
-  EXPECT_THAT(unsupported(R"("orientation":3.14159)"), ElementsAre("orientation"));
+  EXPECT_THAT(unsupported(R"("orientation":1.5707963)"), ElementsAre("orientation"));
   EXPECT_THAT(unsupported(R"("orientation":0,"orientationType":"GLOBAL")"), ElementsAre("orientation"));
 }
 

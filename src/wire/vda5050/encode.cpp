@@ -154,6 +154,9 @@ std::string encode(const Order& message) {
     out.field(R"("released":)", edge.released).field(R"("startNodeId":)", edge.start_node_id);
     out.field(R"("endNodeId":)", edge.end_node_id);
     if (edge.max_speed_mps) out.field(R"("maxSpeed":)", *edge.max_speed_mps);
+    if (edge.backwards)
+      out.field(R"("orientationType":)", std::string_view{"TANGENTIAL"})
+          .field(R"("orientation":)", *edge.backwards ? pi : 0.0);
     if (edge.length_m) out.field(R"("length":)", *edge.length_m);
     write_actions(out, R"("actions":)", edge.actions);
     out.close('}');

@@ -31,28 +31,29 @@ Order whole_order(std::string version = "") {
                                         "a box",
                                         BlockingType::hard,
                                         {{"k", 1.5}, {"l", true}, {"m", std::string("x")}, {"n", RawJson{"[1]"}}}});
-  order.edges.push_back({"e", 1, false, "n", "o", 0.75, 2.5, {{"wait", "B", "", BlockingType::soft, {}}}, {}});
+  order.edges.push_back({"e", 1, false, "n", "o", 0.75, 2.5, {{"wait", "B", "", BlockingType::soft, {}}}, true, {}});
   return order;
 }
 
 TEST(Encode, writes_an_order_field_by_field) {
-  EXPECT_EQ(encode(whole_order()),
-            "{" + std::string(header_json) +
-                R"(,"orderId":"O","orderUpdateId":3,"zoneSetId":"Z","nodes":[{"nodeId":"n","sequenceId":0,)"
-                R"("released":true,"nodePosition":{"x":1.5,"y":-2,"theta":0.5,"allowedDeviationXY":0.25,)"
-                R"("allowedDeviationTheta":0.125,"mapId":"m"},"actions":[{"actionType":"pick","actionId":"A",)"
-                R"("actionDescription":"a box","blockingType":"HARD","actionParameters":[{"key":"k","value":1.5},)"
-                R"({"key":"l","value":true},{"key":"m","value":"x"},{"key":"n","value":[1]}]}]}],)"
-                R"("edges":[{"edgeId":"e","sequenceId":1,"released":false,"startNodeId":"n","endNodeId":"o",)"
-                R"("maxSpeed":0.75,"length":2.5,"actions":[{"actionType":"wait","actionId":"B",)"
-                R"("blockingType":"SOFT"}]}]})");
+  EXPECT_EQ(
+      encode(whole_order()),
+      "{" + std::string(header_json) +
+          R"(,"orderId":"O","orderUpdateId":3,"zoneSetId":"Z","nodes":[{"nodeId":"n","sequenceId":0,)"
+          R"("released":true,"nodePosition":{"x":1.5,"y":-2,"theta":0.5,"allowedDeviationXY":0.25,)"
+          R"("allowedDeviationTheta":0.125,"mapId":"m"},"actions":[{"actionType":"pick","actionId":"A",)"
+          R"("actionDescription":"a box","blockingType":"HARD","actionParameters":[{"key":"k","value":1.5},)"
+          R"({"key":"l","value":true},{"key":"m","value":"x"},{"key":"n","value":[1]}]}]}],)"
+          R"("edges":[{"edgeId":"e","sequenceId":1,"released":false,"startNodeId":"n","endNodeId":"o",)"
+          R"("maxSpeed":0.75,"orientationType":"TANGENTIAL","orientation":3.141592653589793,"length":2.5,"actions":[{"actionType":"wait","actionId":"B",)"
+          R"("blockingType":"SOFT"}]}]})");
 }
 
 TEST(Encode, leaves_out_what_an_order_does_not_have) {
   Order order{header(), "O", 3, "", {}, {}};
   order.nodes.push_back({"n", 0, true, {}, {}});
   order.nodes.push_back({"o", 2, true, NodePosition{1, 2, {}, {}, {}, "m"}, {}});
-  order.edges.push_back({"e", 1, true, "n", "o", {}, {}, {}, {}});
+  order.edges.push_back({"e", 1, true, "n", "o", {}, {}, {}, {}, {}});
   EXPECT_EQ(encode(order), "{" + std::string(header_json) +
                                R"(,"orderId":"O","orderUpdateId":3,"nodes":[{"nodeId":"n","sequenceId":0,)"
                                R"("released":true,"actions":[]},{"nodeId":"o","sequenceId":2,"released":true,)"

@@ -87,7 +87,8 @@ template <typename Draw>
   });
   o.edges = several(random, 6, [](Random& r) {
     return OrderEdge{
-        id(r), count(r), coin(r), id(r), id(r), maybe(r, positive), maybe(r, positive), several(r, 2, action), {}};
+        id(r),          count(r), coin(r), id(r), id(r), maybe(r, positive), maybe(r, positive), several(r, 2, action),
+        maybe(r, coin), {}};
   });
   return o;
 }

@@ -237,4 +237,40 @@ std::optional<Circuit::Route> Circuit::shortest_route(TrackPosition from, TrackP
   return std::nullopt;
 }
 
+Circuit reversed(const Circuit& circuit) {
+  std::vector<Circuit::Part> parts;
+  parts.reserve(circuit.size());
+  for (SectionId id = 0; id < circuit.size(); ++id) {
+    const Circuit::Part& part = circuit.part(id);
+    const auto before = circuit.previous(id);
+    std::vector<SectionId> next{before.begin(), before.end()};
+    std::stable_partition(next.begin(), next.end(), [&](SectionId one) { return circuit.next(one).front() == id; });
+    const bool pivots = std::any_of(next.begin(), next.end(), [&](SectionId one) { return circuit.part(one).pivots; });
+    parts.push_back({part.name, reversed(part.section), part.speed_mps_max, std::move(next), pivots});
+  }
+  // The joints are those of the circuit, which has been joined within the tolerances of its format.
+  constexpr double any = std::numeric_limits<double>::infinity();
+  auto made = Circuit::make(circuit.name(), std::move(parts), any, any);
+  COSIVA_EXPECT(made.has_value());
+  made->indirect_ = !circuit.indirect_;
+  return std::move(*made);
+}
+
+bool is_reversed(const Circuit& a, const Circuit& b) {
+  constexpr double same_m = 1e-6;
+  if (a.size() != b.size()) return false;
+  for (SectionId id = 0; id < a.size(); ++id) {
+    const Section& of_a = a.section(id);
+    const Section& of_b = b.section(id);
+    if (a.part(id).name != b.part(id).name || distance(of_a.start(), of_b.end()) > same_m ||
+        distance(of_a.end(), of_b.start()) > same_m || std::fabs(of_a.length_m() - of_b.length_m()) > same_m)
+      return false;
+  }
+  return true;
+}
+
+TrackPosition reversed(const Circuit& circuit, TrackPosition position) {
+  return {position.section, std::max(0.0, circuit.section(position.section).length_m() - position.s_m)};
+}
+
 }  // namespace cosiva::zone

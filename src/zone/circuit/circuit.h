@@ -44,6 +44,9 @@ class Circuit {
                                             double kink_rad = 1e-3);
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// Vehicles travel it in indirect direction (A32): it is the reversed circuit of its source, and the heading of a
+  /// vehicle's body is opposite to that of its path.
+  [[nodiscard]] bool indirect() const { return indirect_; }
   [[nodiscard]] std::size_t size() const { return parts_.size(); }
   [[nodiscard]] const Section& section(SectionId id) const { return parts_[id].section; }
   [[nodiscard]] const Part& part(SectionId id) const { return parts_[id]; }
@@ -89,7 +92,10 @@ class Circuit {
   [[nodiscard]] std::optional<Route> shortest_route(TrackPosition from, TrackPosition to, double limit_m) const;
 
  private:
+  friend Circuit reversed(const Circuit& circuit);
+
   std::string name_;
+  bool indirect_{false};
   std::vector<Part> parts_;
   std::vector<std::vector<SectionId>> previous_;
   std::vector<SectionId> by_name_;  ///< sorted by name, for find
@@ -99,5 +105,14 @@ class Circuit {
   SectionGrid grid_;
   SectionTree tree_;  ///< of the same pieces, for queries that the grid cannot resolve
 };
+
+/// The circuit as a vehicle travels it in the other direction (A32): each section from its end to its start, followed
+/// by the sections that precede it. Names and ids stay; a position at s lies at L − s. Of several successors the first
+/// is one whose own default successor the section is.
+[[nodiscard]] Circuit reversed(const Circuit& circuit);
+/// Whether `a` is the reversed circuit of `b`: sections of the same names, each from the other's end to its start.
+[[nodiscard]] bool is_reversed(const Circuit& a, const Circuit& b);
+/// The same point of a circuit on the reversed one.
+[[nodiscard]] TrackPosition reversed(const Circuit& circuit, TrackPosition position);
 
 }  // namespace cosiva::zone

@@ -428,5 +428,48 @@ TEST(Circuit, without_sections_locates_nothing_by_an_error_of_the_program) {
   EXPECT_DEATH(static_cast<void>(Circuit{}.locate(Point2{})), "parts_.empty");
 }
 
+/// A fork: "stem" leads to "left", its default, and to "right"; both lead back to "stem".
+Circuit fork() {
+  const Section stem = section({}, 1.0);
+  const Section left = section(stem.end(), 1.0, 0.5);
+  const Section right = section(stem.end(), 1.0, -0.5);
+  std::vector<Circuit::Part> parts{part("right", right, {1}), part("stem", stem, {2, 0}), part("left", left, {1})};
+  auto made = Circuit::make("fork", std::move(parts), 1e9, 1e9);
+  return std::move(*made);
+}
+
+TEST(ReversedCircuit, follows_each_section_by_the_sections_that_precede_it) {
+  const Circuit circuit = track();
+  const Circuit back = reversed(circuit);
+  EXPECT_THAT(back.next(0), ElementsAre(3));
+  EXPECT_THAT(back.previous(0), ElementsAre(1));
+  EXPECT_EQ(back.part(2).name, circuit.part(2).name);
+  EXPECT_TRUE(is_reversed(back, circuit));
+  EXPECT_TRUE(is_reversed(circuit, back));
+  EXPECT_FALSE(is_reversed(circuit, circuit));
+  EXPECT_FALSE(is_reversed(reversed(track(2.001)), circuit));
+}
+
+TEST(ReversedCircuit, has_the_same_points_from_the_other_end) {
+  const Circuit circuit = track();
+  const Circuit back = reversed(circuit);
+  for (SectionId id = 0; id < circuit.size(); ++id) {
+    const TrackPosition position{id, 0.3 * circuit.section(id).length_m()};
+    const Pose2 there = circuit.pose_at(position);
+    const Pose2 here = back.pose_at(reversed(circuit, position));
+    EXPECT_NEAR(distance(here, there), 0.0, 1e-9);
+    EXPECT_NEAR(std::fabs(wrap_angle(here.heading_rad - there.heading_rad)), pi, 1e-9);
+    EXPECT_NEAR(reversed(back, reversed(circuit, position)).s_m, position.s_m, 1e-12);
+  }
+}
+
+TEST(ReversedCircuit, goes_first_to_a_section_whose_own_default_led_here) {
+  const Circuit back = reversed(fork());
+  EXPECT_THAT(back.next(1), ElementsAre(0, 2)) << "both lead to the stem alone; the lower id is first";
+  EXPECT_THAT(back.next(2), ElementsAre(1));
+  const Circuit again = reversed(back);
+  EXPECT_THAT(again.next(1), ElementsAre(0, 2)) << "which default the fork had is no longer known";
+}
+
 }  // namespace
 }  // namespace cosiva::zone

@@ -325,4 +325,14 @@ Section part_of(const Section& section, double from_m, double to_m) {
   return std::move(*made);
 }
 
+Section reversed(const Section& section) {
+  const Pose2 start = turned_round(section.end());
+  const double length_m = section.length_m();
+  auto made = section.shape()
+                  ? Section::make(start, reversed_shape(section.shape()))
+                  : Section::make(start, length_m, -section.curvature_at(length_m), section.curvature_rate_per_m2());
+  COSIVA_EXPECT(made.has_value());
+  return std::move(*made);
+}
+
 }  // namespace cosiva::zone

@@ -122,6 +122,8 @@ class Section {
 [[nodiscard]] std::string_view kind_name(const Section& section);
 /// The part of a section from `from_m` to `to_m`, which are at least 1e-6 m apart within [0, L].
 [[nodiscard]] Section part_of(const Section& section, double from_m, double to_m);
+/// The same curve from its end to its start: at s the position of the section at L − s, the heading opposite.
+[[nodiscard]] Section reversed(const Section& section);
 
 // The hot path of every moving body, hence defined here for inlining.
 

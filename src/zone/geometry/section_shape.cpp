@@ -43,6 +43,28 @@ class PartOfShape final : public SectionShape {
   Pose2 X_SM_;  ///< of the whole's frame, in the frame of this start
 };
 
+class ReversedShape final : public SectionShape {
+ public:
+  explicit ReversedShape(std::shared_ptr<const SectionShape> shape)
+      : shape_{std::move(shape)},
+        length_m_{shape_->length_m()},
+        X_SM_{inverse(turned_round(shape_->pose_at(length_m_)))} {}
+
+  std::string_view kind() const override { return shape_->kind(); }
+  double length_m() const override { return length_m_; }
+  Pose2 pose_at(double s_m) const override { return X_SM_ * turned_round(shape_->pose_at(length_m_ - s_m)); }
+  double curvature_at(double s_m) const override { return -shape_->curvature_at(length_m_ - s_m); }
+  double curvature_max_per_m() const override { return shape_->curvature_max_per_m(); }
+  std::vector<Field> fields() const override { return shape_->fields(); }
+
+  [[nodiscard]] const std::shared_ptr<const SectionShape>& shape() const { return shape_; }
+
+ private:
+  std::shared_ptr<const SectionShape> shape_;
+  double length_m_;
+  Pose2 X_SM_;  ///< of the shape's frame, in the frame of this start
+};
+
 tl::unexpected<Error> invalid(const SectionShape& shape, const std::string& why) {
   return fail("section.invalid", "a section of kind '" + std::string(shape.kind()) + "' " + why);
 }
@@ -115,6 +137,12 @@ std::shared_ptr<const SectionShape> part_of_shape(std::shared_ptr<const SectionS
                                                   double to_m) {
   COSIVA_EXPECT(0.0 <= from_m && from_m < to_m && to_m <= whole->length_m());
   return std::make_shared<PartOfShape>(std::move(whole), from_m, to_m);
+}
+
+std::shared_ptr<const SectionShape> reversed_shape(std::shared_ptr<const SectionShape> shape) {
+  COSIVA_EXPECT(shape != nullptr);
+  if (const auto* reversed = dynamic_cast<const ReversedShape*>(shape.get())) return reversed->shape();
+  return std::make_shared<ReversedShape>(std::move(shape));
 }
 
 bool same_shape(const SectionShape* a, const SectionShape* b) {

@@ -59,6 +59,9 @@ class SectionShape {
 [[nodiscard]] std::shared_ptr<const SectionShape> part_of_shape(std::shared_ptr<const SectionShape> whole,
                                                                 double from_m, double to_m);
 
+/// The shape from its end to its start; its kind and fields are those of the shape. Reversed twice the shape itself.
+[[nodiscard]] std::shared_ptr<const SectionShape> reversed_shape(std::shared_ptr<const SectionShape> shape);
+
 /// Whether two shapes are of one kind with the same fields. A null pointer equals only another one.
 [[nodiscard]] bool same_shape(const SectionShape* a, const SectionShape* b);
 

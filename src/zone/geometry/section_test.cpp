@@ -9,6 +9,7 @@
 #include <string>
 
 #include "cosiva/base/random.h"
+#include "cosiva/zone/testing/test_shapes.h"
 
 namespace cosiva::zone {
 namespace {
@@ -459,6 +460,34 @@ TEST(Section, point_and_heading_alone_are_those_of_the_pose_to_the_last_bit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Section bent = make({1.0, 2.0, 2.5}, 4.0, -1.3);
   EXPECT_EQ(bent.point_at(nan), position(bent.pose_at(0.0)));
+}
+
+TEST(ReversedSection, has_each_position_at_the_rest_of_the_length_with_the_opposite_heading) {
+  EXPECT_TRUE(rc::check([] {
+    Random random = any();
+    const Section section = any_section(random);
+    const Section back = reversed(section);
+    RC_ASSERT(back.length_m() == section.length_m());
+    for (const double part : {0.0, 0.2, 0.5, 0.9, 1.0}) {
+      const double s_m = part * section.length_m();
+      const Pose2 there = section.pose_at(section.length_m() - s_m);
+      const Pose2 here = back.pose_at(s_m);
+      RC_ASSERT(distance(here, there) < 1e-9);
+      RC_ASSERT(std::fabs(std::fabs(wrap_angle(here.heading_rad - there.heading_rad)) - pi) < 1e-9);
+      RC_ASSERT(std::fabs(back.curvature_at(s_m) + section.curvature_at(section.length_m() - s_m)) < 1e-9);
+    }
+  }));
+}
+
+TEST(ReversedSection, of_a_shape_is_the_same_curve_and_reversed_twice_the_shape_itself) {
+  const auto shape = test::sine_shape(0.2, 1.5, 1.25);
+  const Section section = *Section::make({1.0, 2.0, 0.7}, shape);
+  const Section back = reversed(section);
+  for (double s_m = 0.0; s_m <= section.length_m(); s_m += 0.05) {
+    expect_near(back.pose_at(s_m), turned_round(section.pose_at(section.length_m() - s_m)), 1e-9);
+    EXPECT_NEAR(back.curvature_at(s_m), -section.curvature_at(section.length_m() - s_m), 1e-9);
+  }
+  EXPECT_EQ(reversed(back).shape(), shape);
 }
 
 }  // namespace

@@ -26,6 +26,9 @@ struct ZoneConfiguration {
 /// In a snapshot each configuration is stored once, however many parts refer to it.
 void archive_value(Archive& archive, ZoneConfiguration& configuration);
 
+/// In which direction vehicles travel the sections of a configuration (A32).
+enum class TravelDirection { direct, indirect };
+
 /// Whether two configurations have the same content, regardless of their origin.
 [[nodiscard]] bool same_content(const ZoneConfiguration& a, const ZoneConfiguration& b);
 /// VDA 5050's version of a map: 16 hexadecimal digits, equal for equal content.

@@ -183,6 +183,12 @@ struct TrafficZone {
   [[nodiscard]] std::vector<TrackPosition> start_positions(std::size_t count) const;
 };
 
+/// X_MB of a body whose travel frame, with the x axis in the direction of travel, has the pose X_MT; and the inverse.
+[[nodiscard]] inline Pose2 body_pose(const TrafficZone& zone, const Pose2& X_MT) {
+  return zone.circuit.indirect() ? turned_round(X_MT) : X_MT;
+}
+[[nodiscard]] inline Pose2 travel_pose(const TrafficZone& zone, const Pose2& X_MB) { return body_pose(zone, X_MB); }
+
 /// The length of path that a stopped vehicle occupies: its length and 0.1 m.
 [[nodiscard]] constexpr double stopping_room_m(const VehicleShape& shape) { return shape.length_m + 0.1; }
 

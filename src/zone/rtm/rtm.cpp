@@ -6,6 +6,7 @@
 #include "cosiva/zone/lif/lif_factory.h"
 #include "cosiva/zone/opendrive/opendrive_factory.h"
 #include "cosiva/zone/toml/sidecar.h"
+#include "cosiva/zone/toml/toml_edit.h"
 #include "cosiva/zone/toml/toml_factory.h"
 
 namespace cosiva::zone {
@@ -77,6 +78,10 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
   const auto factory = circuit_factory_for(configuration.format);
   if (!factory) return tl::unexpected(factory.error());
   return (*factory)->edited(configuration, edit);
+}
+
+Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configuration, TravelDirection direction) {
+  return with_travel_direction(configuration, direction);
 }
 
 std::uint64_t Rtm::initialised_count() { return initialised; }

@@ -38,6 +38,11 @@ namespace cosiva::zone {
 /// format cannot express the edit.
 [[nodiscard]] Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
+/// The configuration of the same zone for travel in this direction: the key travel_direction, in the text or in the
+/// sidecar file of a format that cannot express it. Fails ("zone.syntax") where that text is no TOML.
+[[nodiscard]] Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configuration,
+                                                            TravelDirection direction);
+
 /// The real-time module (A22): a file on the physical side, a queryable object on the virtual one. It initialises
 /// itself from the configuration and serves requests about zone, circuit and sections.
 class Rtm {

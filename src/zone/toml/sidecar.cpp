@@ -86,8 +86,8 @@ Result<Sidecar> read_sidecar(const ZoneConfiguration& configuration) {
   Sidecar sidecar;
   TomlFaults faults{sidecar_file(configuration.origin)};
   read_text(configuration, faults, [&](const TomlFields& root) {
-    root.expect_only({"name", "format_version", "import", "vehicle", "profiles", "crossings", "waypoints", "limit",
-                      "tag", "beacons", "station", "start", "priorities", "loop", "closed"});
+    root.expect_only({"name", "format_version", "travel_direction", "import", "vehicle", "profiles", "crossings",
+                      "waypoints", "limit", "tag", "beacons", "station", "start", "priorities", "loop", "closed"});
     if (root.whole("format_version", 1, tag_number_max, 1) != 1 && !faults.any())
       root.fault("format_version", "zone.version", "this program reads version 1 of the format");
     sidecar.name = root.optional_name("name");

@@ -25,6 +25,7 @@ struct Sidecar {
   std::optional<bool> nodes_only;  ///< [waypoints]; no value: as the format requires
 
   bool edges_are_sections{false};  ///< [waypoints]
+  bool indirect{false};            ///< travel_direction
 
   // [[limit]]
   struct Limit {

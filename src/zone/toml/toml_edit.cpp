@@ -278,6 +278,27 @@ class Editor {
 
 namespace {
 
+/// The edit of the same points for the other direction.
+ZoneEdit reversed(ZoneEdit edit, const TrafficZone& zone) {
+  for (ZoneEdit::TagPosition& tag : edit.set_tags) tag.position = reversed(zone.circuit, tag.position);
+  return edit;
+}
+
+Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const std::string& origin,
+                                    const CircuitFactory& factory, const ZoneConfiguration& configuration,
+                                    const ZoneEdit& edit);
+
+/// Edits a configuration for travel in indirect direction in the direction of its positions.
+Result<ZoneConfiguration> edited_in_its_direction(std::string ZoneConfiguration::*part, const std::string& origin,
+                                                  const CircuitFactory& factory, const ZoneConfiguration& configuration,
+                                                  const ZoneEdit& edit) {
+  const auto direct = with_travel_direction(configuration, TravelDirection::direct);
+  if (!direct) return tl::unexpected(direct.error());
+  const auto edited = edited_in(part, origin, factory, *direct, edit);
+  if (!edited) return tl::unexpected(edited.error());
+  return with_travel_direction(*edited, TravelDirection::indirect);
+}
+
 /// Edits one text of the configuration, and checks the result.
 Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const std::string& origin,
                                     const CircuitFactory& factory, const ZoneConfiguration& configuration,
@@ -286,6 +307,8 @@ Result<ZoneConfiguration> edited_in(std::string ZoneConfiguration::*part, const 
   if (!zone) return tl::unexpected(zone.error());
   const auto wanted = with_edit(*zone, edit);
   if (!wanted) return tl::unexpected(wanted.error());
+  if (zone->circuit.indirect())
+    return edited_in_its_direction(part, origin, factory, configuration, reversed(edit, *zone));
   ZoneConfiguration result = configuration;
   try {
     auto text = Editor{configuration.*part, *zone, origin}.run(edit);
@@ -312,6 +335,32 @@ Result<ZoneConfiguration> edited_file(const CircuitFactory& factory, const ZoneC
 Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory, const ZoneConfiguration& configuration,
                                          const ZoneEdit& edit) {
   return edited_in(&ZoneConfiguration::sidecar, sidecar_file(configuration.origin), factory, configuration, edit);
+}
+
+Result<ZoneConfiguration> with_travel_direction(const ZoneConfiguration& configuration, TravelDirection direction) {
+  const bool native = configuration.format == TomlCircuitFactory{}.format();
+  ZoneConfiguration result = configuration;
+  std::string& text = native ? result.text : result.sidecar;
+  const std::string origin = native ? configuration.origin : sidecar_file(configuration.origin);
+  const std::string value = direction == TravelDirection::indirect ? "\"indirect\"" : "\"direct\"";
+  try {
+    const Reading reading{text};
+    if (const toml::node* present = reading.root().get("travel_direction")) {
+      const auto [begin, end, replacement] = reading.replace(*present, value);
+      text.replace(begin, end - begin, replacement);
+      return result;
+    }
+    if (direction == TravelDirection::direct) return result;
+    // A key of the root comes before the first table: after the version, or first.
+    const toml::node* version = reading.root().get("format_version");
+    const std::size_t at = reading.line_begin(version == nullptr ? 1 : version->source().end.line + 1);
+    const std::string newline{reading.newline()};
+    const bool ends = at == 0 || text[at - 1] == '\n' || version == nullptr;
+    text.insert(at, (ends ? "" : newline) + "travel_direction = " + value + newline);
+  } catch (const std::exception& error) {
+    return fail("zone.syntax", std::string("cannot be read: ") + error.what(), origin);
+  }
+  return result;
 }
 
 }  // namespace cosiva::zone

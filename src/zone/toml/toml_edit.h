@@ -15,4 +15,9 @@ namespace cosiva::zone {
 [[nodiscard]] Result<ZoneConfiguration> edited_sidecar(const CircuitFactory& factory,
                                                        const ZoneConfiguration& configuration, const ZoneEdit& edit);
 
+/// The configuration with this direction: its text or, of a format that cannot express it, its sidecar file gets the
+/// key travel_direction; everything else in it stays unchanged. Fails ("zone.syntax") where that text is no TOML.
+[[nodiscard]] Result<ZoneConfiguration> with_travel_direction(const ZoneConfiguration& configuration,
+                                                              TravelDirection direction);
+
 }  // namespace cosiva::zone

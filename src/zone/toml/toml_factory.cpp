@@ -12,8 +12,8 @@ namespace {
 
 /// Leaves faults where there is no zone.
 std::optional<TrafficZone> read_zone(TomlFaults& faults, const TomlFields& root) {
-  root.expect_only({"name", "format_version", "vehicle", "profiles", "circuit", "section", "tag", "beacons", "station",
-                    "start", "loop", "crossings", "waypoints", "priorities", "closed"});
+  root.expect_only({"name", "format_version", "travel_direction", "vehicle", "profiles", "circuit", "section", "tag",
+                    "beacons", "station", "start", "loop", "crossings", "waypoints", "priorities", "closed"});
   if (root.whole("format_version", 1, tag_number_max) != 1 && !faults.any())
     root.fault("format_version", "zone.version", "this program reads version 1 of the format");
   const std::string name = root.name("name");

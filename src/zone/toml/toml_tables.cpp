@@ -7,6 +7,7 @@
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/beacons.h"
 #include "cosiva/zone/layout/crossings.h"
+#include "cosiva/zone/layout/indirect.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/toml/toml_node.h"
 
@@ -71,6 +72,8 @@ void parse_toml(std::string_view text, TomlFaults& faults, const std::function<v
 }
 
 void read_basics(const TomlFields& root, Sidecar& basics) {
+  if (root.has("travel_direction"))
+    basics.indirect = root.one_of("travel_direction", {"direct", "indirect"}) == "indirect";
   if (const auto vehicle = root.table("vehicle")) {
     vehicle->expect_only({"length_m", "width_m"});
     basics.vehicle =
@@ -90,6 +93,7 @@ void read_basics(const TomlFields& root, Sidecar& basics) {
 }
 
 void TomlTables::read() {
+  if (basics_.indirect) make_indirect(zone_, rules_);
   // In this order, because each reads what those before it made.
   constexpr void (TomlTables::*steps[])() = {
       &TomlTables::read_beacons, &TomlTables::read_tags,       &TomlTables::read_stations, &TomlTables::read_loops,
@@ -117,7 +121,10 @@ std::optional<TrackPosition> TomlTables::read_position(const TomlFields& fields)
   const double length_m = zone_.circuit.section(*id).length_m();
   const std::string what = "metres along '" + section + "' from 0 to its length, " + toml_number(length_m);
   const double s = fields.number("s_m", {what, 0.0, length_m});
-  return faults_.any() ? std::nullopt : std::optional{TrackPosition{*id, s}};
+  if (faults_.any()) return std::nullopt;
+  const TrackPosition position{*id, s};
+  return zone_.circuit.indirect() ? reversed(zone_.circuit, position)
+                                  : position;  // the file's positions are of its own direction
 }
 
 bool TomlTables::too_many(std::string_view key, std::size_t found, std::size_t most) const {
@@ -219,6 +226,7 @@ void TomlTables::read_loops() {
       if (!id) return;
       loop.sections.push_back(*id);
     }
+    if (zone_.circuit.indirect()) std::reverse(loop.sections.begin(), loop.sections.end());
     for (std::size_t i = 0; i < loop.sections.size(); ++i) {
       const SectionId after = loop.sections[(i + 1) % loop.sections.size()];
       const auto next = zone_.circuit.next(loop.sections[i]);

@@ -14,7 +14,7 @@ namespace cosiva::zone {
 /// @param read  called with the root table, unless the text is no TOML
 void parse_toml(std::string_view text, TomlFaults& faults, const std::function<void(const TomlFields& root)>& read);
 
-/// [vehicle] [profiles] [crossings] [waypoints]
+/// travel_direction [vehicle] [profiles] [crossings] [waypoints]
 void read_basics(const TomlFields& root, Sidecar& basics);
 
 /// All elements on a circuit and the data derived from it. Each step may leave a fault, which ends the reading.

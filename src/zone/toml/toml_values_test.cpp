@@ -100,7 +100,8 @@ TEST(TomlValues, that_are_names_have_1_to_256_bytes_without_control_characters) 
 TEST(TomlKeys, that_are_unknown_are_likened_to_known_ones_that_are_half_the_same) {
   const auto unknown = [](const std::string& key) { return fault_in(key + " = 1\n" + file_head + section_a); };
   EXPECT_THAT(unknown("nxxe"), HasSubstr("test.toml:1: nxxe: unknown key; did you mean \"name\"? Known here: name, "));
-  EXPECT_THAT(unknown("xxxe"), HasSubstr("xxxe: unknown key; Known here: name, format_version, vehicle, profiles, "));
+  EXPECT_THAT(unknown("xxxe"),
+              HasSubstr("xxxe: unknown key; Known here: name, format_version, travel_direction, vehicle, "));
   EXPECT_THAT(unknown("sectxxxx"), HasSubstr("did you mean \"section\"?"));
   EXPECT_THAT(unknown("secxxxxx"), Not(HasSubstr("did you mean")));
   EXPECT_THAT(unknown("\"a\\u0001b\\u007Fc\""), HasSubstr("test.toml:1: a?b?c: unknown key"));

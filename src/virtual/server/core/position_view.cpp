@@ -54,8 +54,10 @@ PositionRecord PositionView::record_of_vehicle(VehicleIndex vehicle, SimTime at)
   const Pose2& reported = context_.simulator.twin(*proxy.twin()).last_report().X_MB;
   const bool lost = proxy.lost(at, context_.options.lost_after) ||
                     proxy.connection.state() == wire::ConnectionState::connection_broken;
-  PositionRecord record = record_of(static_cast<std::uint16_t>(vehicle), PositionRecord::Kind::aiv, image.X_MB,
-                                    lost ? 0.0 : image.speed_mps);
+  const auto& zone = context_.simulator.zone();
+  const Pose2 X_MB = zone ? zone::body_pose(*zone, image.X_MB) : image.X_MB;
+  PositionRecord record =
+      record_of(static_cast<std::uint16_t>(vehicle), PositionRecord::Kind::aiv, X_MB, lost ? 0.0 : image.speed_mps);
   record.status = lost ? status_lost : status_number(aiv::status_of(image.speed_mps, proxy.reported_state.imposed()));
   record.augmented = proxy.augmented();
   record.blocked = !lost && ((proxy.state() && proxy.state()->field_violation) ||

@@ -114,7 +114,9 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
 void VehicleView::write_pose_and_mission(JsonWriter& json, VehicleIndex vehicle, const Twin::Image& image,
                                          double speed_mps) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  write_pose(json, image.X_MB);
+  const auto& zone = context_.simulator.zone();
+  const auto in_body_frame = [&](const Pose2& X_MT) { return zone ? zone::body_pose(*zone, X_MT) : X_MT; };
+  write_pose(json, in_body_frame(image.X_MB));
   json.field("speed", speed_mps).key("section");
   if (image.position && context_.simulator.circuit() != nullptr)
     json.value(context_.simulator.circuit()->part(image.position->section).name).key("s").value(image.position->s_m);
@@ -129,7 +131,8 @@ void VehicleView::write_pose_and_mission(JsonWriter& json, VehicleIndex vehicle,
   const std::string why_off_route = zones_.change().off_route(vehicle);
   text_or_null(json, "offRoute", why_off_route);
   master_.missions.write(json.key("mission"), vehicle, master_.orders.waits().blocker_at_goal(vehicle));
-  write_pose(json.key("reported").begin_object(), context_.simulator.twin(*proxy.twin()).last_report().X_MB);
+  write_pose(json.key("reported").begin_object(),
+             in_body_frame(context_.simulator.twin(*proxy.twin()).last_report().X_MB));
   json.end_object();
 }
 

@@ -68,14 +68,14 @@ bool LineJoin::join_elsewhere(VehicleIndex vehicle, bool drives_on, double withi
     COSIVA_EXPECT(!is_pending(vehicle));
     positions_.set_entry_point(vehicle, position);
     vehicles_[vehicle].sent_at = context_.publisher.now();
-    vehicles_[vehicle].handle =
-        context_.action_sender.send(context_.registry[vehicle], vehicle,
-                                    {{"joinLine",
-                                      {},
-                                      {},
-                                      wire::BlockingType::hard,
-                                      {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", X_MG.heading_rad}}}},
-                                    std::chrono::seconds{3}, true);
+    vehicles_[vehicle].handle = context_.action_sender.send(
+        context_.registry[vehicle], vehicle,
+        {{"joinLine",
+          {},
+          {},
+          wire::BlockingType::hard,
+          {{"x", X_MG.x_m}, {"y", X_MG.y_m}, {"theta", zone::body_pose(context_.map->zone(), X_MG).heading_rad}}}},
+        std::chrono::seconds{3}, true);
     return true;
   }
   return false;

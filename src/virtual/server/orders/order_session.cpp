@@ -191,6 +191,7 @@ wire::Order OrderSession::make_order(const BaseExtension& extension) {
                            stretch.speed_mps_max.value_or(map.zone().profiles.fast.speed_mps),
                            stretch.length_m,
                            {},
+                           map.zone().circuit.indirect() ? std::optional{true} : std::nullopt,
                            {}});
     sequence += 2;
     add_node(stretch.to, released, rules.deviation_m);

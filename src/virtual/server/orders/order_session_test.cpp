@@ -502,6 +502,19 @@ TEST(OrderOverASlowSection, limits_the_speed_on_that_section_s_edges_alone) {
   EXPECT_LT(slow, static_cast<int>(order.edges.size()));
 }
 
+TEST(OrderEdges, are_driven_backwards_where_vehicles_travel_in_indirect_direction) {
+  for (const bool indirect : {false, true}) {
+    const auto direction = indirect ? zone::TravelDirection::indirect : zone::TravelDirection::direct;
+    OrdersFixture orders{zone::in_travel_direction(oval(), direction).value()};
+    const VehicleIndex vehicle = orders.add_at("AIV1", orders.at("south", 1.2));
+    ASSERT_TRUE(orders.extend(vehicle));
+    const wire::Order order = *orders.last_order(vehicle);
+    ASSERT_FALSE(order.edges.empty());
+    for (const wire::OrderEdge& edge : order.edges)
+      EXPECT_EQ(edge.backwards, indirect ? std::optional{true} : std::nullopt) << edge.edge_id;
+  }
+}
+
 // --- the end of a path ----------------------------------------------------------------------------------------------
 
 TEST(OrderToADeadEnd, is_done_when_the_vehicle_reports_its_last_node) {

@@ -149,8 +149,10 @@ void OwnReports::clear_through(VehicleIndex vehicle, const wire::Ranges& ranges)
   const AivProxy& proxy = context_.registry[vehicle];
   if (context_.simulator.detected().empty() || !context_.simulator.zone() || !proxy.here() || !proxy.position.known())
     return;
-  const Pose2 X_MB = context_.simulator.image(*proxy.twin(), context_.now).X_MB;
-  const Pose2 X_MS = X_MB * Pose2{0.5 * context_.simulator.zone()->vehicle.length_m, 0.0, 0.0};
+  // The sensor is at the leading end, and its bearings are in the body frame.
+  const zone::TrafficZone& zone = *context_.simulator.zone();
+  const Pose2 X_MT = context_.simulator.image(*proxy.twin(), context_.now).X_MB;
+  const Pose2 X_MS = zone::body_pose(zone, X_MT * Pose2{0.5 * zone.vehicle.length_m, 0.0, 0.0});
   for (const std::string& id : context_.simulator.detected().clear_through(X_MS, ranges))
     context_.traces.add(context_.now, "AIV_Server", "Simulator", "disappear",
                         id + ": " + proxy.name() + " measures beyond its position");

@@ -30,10 +30,13 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
     apply_base_end(vehicle);
   }
   COSIVA_EXPECT(proxy.twin().has_value());
-  MotionReport report{at, {pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)}, {}, 0.0, 0.0};
+  // Vehicles report body frames, twins move in travel frames.
+  const bool indirect = context_.simulator.zone() && context_.simulator.zone()->circuit.indirect();
+  const Pose2 X_MB{pose.x_m, pose.y_m, wrap_angle(pose.heading_rad)};
+  MotionReport report{at, indirect ? turned_round(X_MB) : X_MB, {}, 0.0, 0.0};
   if (velocity) {
-    report.vx_mps = velocity->vx_mps;
-    report.vy_mps = velocity->vy_mps;
+    report.vx_mps = indirect ? -velocity->vx_mps : velocity->vx_mps;
+    report.vy_mps = indirect ? -velocity->vy_mps : velocity->vy_mps;
     report.omega_radps = velocity->omega_radps;
   }
   // All control areas use one frame: a pose on the map of another area is valid on this map as well.

@@ -158,7 +158,8 @@ void GroundTruthComparator::record_twins() {
       continue;
     }
     if (!trail.points.empty() && trail.points.back().at >= now_) continue;
-    const Pose2 X_MB = simulator_.image(*proxy.twin(), now_).X_MB;
+    const Pose2 X_MT = simulator_.image(*proxy.twin(), now_).X_MB;
+    const Pose2 X_MB = simulator_.zone() ? zone::body_pose(*simulator_.zone(), X_MT) : X_MT;
     trail.points.push_back({now_, X_MB});
     while (trail.points.front().at < now_ - history) trail.points.pop_front();
     if (!detections_ || !inside(detections_->field, position(X_MB)))
