@@ -53,6 +53,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await eventually('a new image is shown soon', async () => (await look()).sum !== first.sum);
     assert.match(await panel.getByTestId('gvs-picture').getAttribute('aria-label'), /AIV1 at -?\d/);
     assert.equal(await panel.locator('[data-seen]').count(), 3);
+    assert.deepEqual(page.load_errors, [], 'no request fails, not even before the first image');
   });
 
   await t.test('an AIV chosen in the view is the chosen one everywhere', async () => {
@@ -108,7 +109,7 @@ test('cosiva up --gvs', { timeout: 240_000 }, async (t) => {
     await page.goto('about:blank');
     // Two seconds after the last request none is sent any more, and three later the last one is too old to be shown.
     await sleep(6_000);
-    assert.equal((await fetch(`${platform.url}/api/v1/gvs/preview`)).status, 404);
+    assert.equal((await fetch(`${platform.url}/api/v1/gvs/preview`)).status, 204);
     await eventually('requested again, it comes again', async () => (await fetch(`${platform.url}/api/v1/gvs/preview`)).status === 200, { within_ms: 8_000, every_ms: 250 });
   });
   assert.deepEqual(page.script_errors, []);

@@ -55,6 +55,7 @@ EXCEPTIONS = {
     "PerceivedWorld": {"model_": "constant", "gap_": "scratch"},
     "PositionEstimator": {"reading_latency_s_": "constant"},
     "PositionStore": {"start_": "constant", "as_values_": "constant"},
+    "RecentP99": {"last_over_": "renewed"},
     "Registry": {
         "interface_name_": "constant", "vehicles_max_": "constant", "topics_": "derived", "names_": "derived",
         "numbers_": "derived", "vacant_": "derived",

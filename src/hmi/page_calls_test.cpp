@@ -401,7 +401,7 @@ TEST(PageCalls, return_the_battery_curve_of_a_vehicle_that_reports_its_battery) 
   EXPECT_THAT(curve.body, HasSubstr("87,12.1,24]"));
 }
 
-TEST(PageCalls, return_the_camera_s_image_unchanged_and_the_reason_where_there_is_none) {
+TEST(PageCalls, return_the_camera_s_image_unchanged_none_before_the_first_and_the_reason_where_there_is_no_camera) {
   PageFixture page;
   const HttpResponse none = page.send_request("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(none.status, 404U);
@@ -411,7 +411,9 @@ TEST(PageCalls, return_the_camera_s_image_unchanged_and_the_reason_where_there_i
   PageHost host = page.host();
   host.gvs_preview = [&] { return ++checks > 1 ? image : nullptr; };
   page.calls.emplace(std::move(host));
-  EXPECT_EQ(page.send_request("GET", "/api/v1/gvs/preview").status, 404U) << "the first request starts the preview";
+  const HttpResponse before = page.send_request("GET", "/api/v1/gvs/preview");
+  EXPECT_EQ(before.status, 204U) << "the first request starts the preview";
+  EXPECT_EQ(before.body, "");
   const HttpResponse shown = page.send_request("GET", "/api/v1/gvs/preview");
   EXPECT_EQ(shown.status, 200U);
   EXPECT_EQ(shown.content_type, "image/x-portable-graymap");

@@ -87,12 +87,11 @@ HttpResponse get_trace(CallContext& context, const Call& call) {
 }
 
 HttpResponse get_gvs_preview(CallContext& context, const Call&) {
-  const auto image = context.host().gvs_preview ? context.host().gvs_preview() : nullptr;
-  if (image) return {200, "image/x-portable-graymap", *image, {}};
-  return http_error(
-      404, "gvs.no_image",
-      "no camera has sent an image in the last seconds; where one is in operation (cosiva up --gvs), it does so "
-      "from half a second after the first request on");
+  if (!context.host().gvs_preview)
+    return http_error(404, "gvs.no_image", "this program receives no camera's images; cosiva up --gvs starts a camera");
+  // A client requests images before there are any, and a browser's console would list each 404 as an error of the page.
+  const auto image = context.host().gvs_preview();
+  return {image ? 200U : 204U, "image/x-portable-graymap", image ? *image : std::string{}, {}};
 }
 
 HttpResponse get_battery_curve(CallContext& context, const Call& call) {

@@ -1,6 +1,7 @@
 #include "cosiva/virtual/simulator/bijection.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "cosiva/base/archive.h"
@@ -24,6 +25,14 @@ constexpr std::uint32_t settling_actuals = 8;
 
 double ratio_of(SimDuration part, SimDuration whole) {
   return whole <= SimDuration::zero() ? 1.0 : to_seconds(part) / to_seconds(whole);
+}
+
+/// The time of a sample: that of the last cycle, as the caller supplies a time with elapse() only.
+SimTime time_of(const std::optional<SimTime>& elapsed_until) { return elapsed_until.value_or(SimTime{}); }
+
+template <typename Pairs, typename Figure>
+bool all_hold(const Pairs& pairs, Figure figure, SimTime now) {
+  return std::ranges::none_of(pairs, [&](const auto& pair) { return (pair.*figure).violated(now); });
 }
 
 }  // namespace
@@ -108,7 +117,7 @@ void BijectionMonitor::divergence(Entity entity, double m, double rad) {
   if (pair.divergences_measured < settling_divergences) {
     ++pair.divergences_measured;
   } else {
-    pair.divergence.add(m);
+    pair.divergence.add(m, time_of(elapsed_until_));
   }
 }
 
@@ -120,7 +129,7 @@ void BijectionMonitor::actual(Entity entity, double m, double rad, std::string_v
   if (pair.actuals_measured < settling_actuals) {
     ++pair.actuals_measured;
   } else {
-    pair.actual.add(m);
+    pair.actual.add(m, time_of(elapsed_until_));
   }
 }
 
@@ -130,7 +139,7 @@ void BijectionMonitor::age(Entity entity, double ms) {
   if (pair.ages_measured < settling_ages) {
     ++pair.ages_measured;
   } else {
-    pair.age.add(ms);
+    pair.age.add(ms, time_of(elapsed_until_));
   }
 }
 
@@ -154,21 +163,27 @@ void BijectionMonitor::elapse(SimTime now) {
   elapsed_until_ = now;
 }
 
+void BijectionMonitor::command_failed() {
+  ++commands_failed_;
+  // Later than any limit.
+  command_recent_.add(std::numeric_limits<double>::infinity(), time_of(elapsed_until_));
+}
+
 void BijectionMonitor::command_materialised(double latency_ms) {
   ++commands_materialised_;
   command_latency_ms_.add(latency_ms);
-  command_recent_.add(latency_ms);
+  command_recent_.add(latency_ms, time_of(elapsed_until_));
 }
 
 void BijectionMonitor::event(PhysicalEvent kind, double latency_ms) {
   ++events_[static_cast<std::size_t>(kind)];
   event_latency_ms_.add(latency_ms);
-  event_recent_.add(latency_ms);
+  event_recent_.add(latency_ms, time_of(elapsed_until_));
 }
 
 void BijectionMonitor::effect(WorldEffect kind, double latency_ms) {
   effects_ms_[static_cast<std::size_t>(kind)].add(latency_ms);
-  effect_recent_.add(latency_ms);
+  effect_recent_.add(latency_ms, time_of(elapsed_until_));
 }
 
 void BijectionMonitor::set_findings(Observer observer, std::vector<Finding> findings) {
@@ -181,7 +196,8 @@ void BijectionMonitor::set_findings(Observer observer, std::vector<Finding> find
 
 BijectionMonitor::Held BijectionMonitor::held(Entity entity) const {
   const Pair& pair = pairs_[entity];
-  return {!pair.orphan(), pair.divergence.held(), pair.age.held(), pair.actual.held(),
+  return {!pair.orphan(), !pair.divergence.violated(time_of(elapsed_until_)),
+          !pair.age.violated(time_of(elapsed_until_)), !pair.actual.violated(time_of(elapsed_until_)),
           pair.physical ? std::string_view{} : pair.reason};
 }
 
@@ -260,6 +276,16 @@ void BijectionMonitor::write(JsonWriter& json) const {
     write_json(json.key(std::string(to_string(static_cast<WorldEffect>(i))) + "_ms"), effects_ms_[i]);
   json.end_object();
   json.field("held_ratio", held_ratio());
+  const SimTime now = time_of(elapsed_until_);
+  json.key("held")
+      .begin_object()
+      .field("divergence", all_hold(pairs_, &Pair::divergence, now))
+      .field("age", all_hold(pairs_, &Pair::age, now))
+      .field("actual", all_hold(pairs_, &Pair::actual, now))
+      .field("commands", !command_recent_.violated(now))
+      .field("events", !event_recent_.violated(now))
+      .field("effects", !effect_recent_.violated(now))
+      .end_object();
   json.key("contract")
       .begin_object()
       .field("divergence_p99_m", contract_.divergence_p99_m)
@@ -306,6 +332,11 @@ void BijectionMonitor::archive(Archive& archive) {
   archive(commands_issued_, commands_accepted_, commands_materialised_, commands_failed_);
   archive(command_latency_ms_, command_recent_, events_, event_latency_ms_, event_recent_, effects_ms_, effect_recent_);
   archive(augmented_, elapsed_until_, watched_, matched_, held_);
+  if (!archive.reads()) return;
+  for (RecentP99* recent : {&command_recent_, &event_recent_, &effect_recent_})
+    recent->continue_at(time_of(elapsed_until_));
+  for (Pair& pair : pairs_)
+    for (RecentP99* recent : {&pair.divergence, &pair.age, &pair.actual}) recent->continue_at(time_of(elapsed_until_));
 }
 
 }  // namespace cosiva::virtual_side

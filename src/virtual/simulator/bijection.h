@@ -94,7 +94,7 @@ class BijectionMonitor {
   void command_issued() { ++commands_issued_; }
   void command_accepted() { ++commands_accepted_; }
   void command_materialised(double latency_ms);
-  void command_failed() { ++commands_failed_; }
+  void command_failed();
   void event(PhysicalEvent kind, double latency_ms);
   void effect(WorldEffect kind, double latency_ms);
   void set_augmented(std::size_t count) { augmented_ = count; }
@@ -110,8 +110,8 @@ class BijectionMonitor {
     bool actual;
     std::string_view absence{};  ///< why the vehicle is not on the physical side; empty: it is, or it never was
   };
-  /// Evaluated over the last 10 s or so, from 2 s after the arrival on: a badge that never turns green again would
-  /// carry no information.
+  /// Evaluated over the last 10 s or so, from 2 s after the arrival on, and held again RecentP99::recovery after the
+  /// last violation: a badge that turns green late, or never, would carry no information.
   [[nodiscard]] Held held(Entity entity) const;
 
   [[nodiscard]] std::size_t physical_count() const;

@@ -116,6 +116,48 @@ TEST_F(Bijection, counts_the_time_of_a_violated_contract_as_not_held) {
   EXPECT_DOUBLE_EQ(monitor.matched_ratio(), 1.0);
 }
 
+TEST_F(Bijection, shows_a_short_overload_as_over_four_seconds_after_its_end_though_the_metrics_of_the_run_include_it) {
+  const auto a = monitor.entity("make/a");
+  monitor.set_physical(a, true);
+  monitor.set_virtual(a, true);
+  // The age is measured at 50 Hz, a report is received at 10 Hz, and the camera delivers four images per second.
+  const auto pass = [&](SimDuration duration, double age_ms, double divergence_m) {
+    for (int i = 0; i < duration / 20ms; ++i) {
+      monitor.age(a, age_ms);
+      if (i % 5 == 0) monitor.divergence(a, divergence_m, 0.0);
+      if (i % 12 == 0) monitor.actual(a, 2.0 * divergence_m, 0.0, "camera");
+      wait(20ms);
+    }
+  };
+  const auto fleet = [this](const char* figure) { return written().find("held")->flag(figure); };
+  pass(20s, 50.0, 0.001);
+  EXPECT_TRUE(monitor.held(a).age && monitor.held(a).divergence && monitor.held(a).actual);
+  EXPECT_EQ(fleet("age"), true);
+  pass(3s, 400.0, 0.05);
+  monitor.command_materialised(2500.0);
+  monitor.event(PhysicalEvent::tag, 600.0);
+  monitor.effect(WorldEffect::brakes, 300.0);
+  EXPECT_FALSE(monitor.held(a).age || monitor.held(a).divergence || monitor.held(a).actual);
+  for (const char* figure : {"divergence", "age", "actual", "commands", "events", "effects"})
+    EXPECT_EQ(fleet(figure), false) << figure;
+  pass(3s, 50.0, 0.001);
+  EXPECT_FALSE(monitor.held(a).age) << "a display that turns green at once is overlooked";
+  pass(1s, 50.0, 0.001);
+  EXPECT_TRUE(monitor.held(a).age && monitor.held(a).divergence && monitor.held(a).actual);
+  for (const char* figure : {"divergence", "age", "actual", "commands", "events", "effects"})
+    EXPECT_EQ(fleet(figure), true) << figure;
+  EXPECT_EQ(*written().find("age_ms")->number("p99"), 400.0);
+}
+
+TEST_F(Bijection, shows_a_failed_command_as_a_violation) {
+  monitor.set_physical(monitor.entity("make/a"), true);
+  wait(0s);
+  monitor.command_failed();
+  EXPECT_EQ(written().find("held")->flag("commands"), false);
+  wait(4s);
+  EXPECT_EQ(written().find("held")->flag("commands"), true);
+}
+
 TEST_F(Bijection, includes_a_slow_start_in_its_metrics_but_evaluates_contracts_from_two_seconds_after_the_arrival) {
   const auto a = monitor.entity("make/a");
   monitor.set_physical(a, true);

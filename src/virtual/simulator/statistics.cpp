@@ -83,8 +83,9 @@ void write_json(JsonWriter& json, const Statistics& statistics) {
       .end_object();
 }
 
-void RecentP99::add(double value) {
+void RecentP99::add(double value, SimTime at) {
   const bool over = value > limit_;
+  if (over) last_over_ = at;
   // Most often none is above: the whole window is false then, and stays so.
   if (over || over_count_ > 0) {
     if (over_[next_]) --over_count_;

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/base/time.h"
 
 namespace cosiva::virtual_side {
 
@@ -42,10 +44,20 @@ void write_json(JsonWriter& json, const Statistics& statistics);
 /// when more than 1 % of them are above. Invariant: no more are above than there are, at most `window`.
 class RecentP99 {
  public:
+  /// A violation is no longer displayed after this time without a value above the limit. With the period of the
+  /// snapshots and of the page's lists, a display is green again within 5 s.
+  static constexpr SimDuration recovery{std::chrono::seconds{4}};
+
   RecentP99(double limit, std::size_t window) : limit_{limit}, over_(window, false) {}
 
-  void add(double value);
+  void add(double value, SimTime at);
   [[nodiscard]] bool held() const { return over_count_ * 100 <= filled_; }
+  /// Whether a display shows the limit as violated: the p99 is above it, and so was a value of the last seconds. The
+  /// window alone would show a short overload until its last sample has left the window: 100 commands later, or 200
+  /// reports.
+  [[nodiscard]] bool violated(SimTime now) const { return !held() && last_over_ && now - *last_over_ < recovery; }
+  /// Continues a restored state: when its last value was above the limit is not stored, and may have been just now.
+  void continue_at(SimTime now) { last_over_ = now; }
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
@@ -54,6 +66,7 @@ class RecentP99 {
   std::size_t next_{0};
   std::size_t filled_{0};
   std::size_t over_count_{0};
+  std::optional<SimTime> last_over_;
 };
 
 }  // namespace cosiva::virtual_side

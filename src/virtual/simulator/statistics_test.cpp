@@ -73,14 +73,40 @@ TEST(Statistics, count_huge_and_tiny_samples_in_the_outer_buckets) {
 TEST(RecentP99, is_violated_when_more_than_one_in_a_hundred_is_above) {
   RecentP99 recent{10.0, 200};
   EXPECT_TRUE(recent.held());
-  for (int i = 0; i < 200; ++i) recent.add(5.0);
-  recent.add(11.0);
-  recent.add(11.0);
+  for (int i = 0; i < 200; ++i) recent.add(5.0, {});
+  recent.add(11.0, {});
+  recent.add(11.0, {});
   EXPECT_TRUE(recent.held()) << "2 of 200 are one in a hundred";
-  recent.add(11.0);
+  recent.add(11.0, {});
   EXPECT_FALSE(recent.held());
-  for (int i = 0; i < 200; ++i) recent.add(10.0);
+  for (int i = 0; i < 200; ++i) recent.add(10.0, {});
   EXPECT_TRUE(recent.held()) << "old samples no longer count";
+}
+
+TEST(RecentP99, is_displayed_as_violated_for_four_seconds_after_the_last_value_above_the_limit) {
+  using namespace std::chrono_literals;
+  RecentP99 recent{10.0, 200};
+  SimTime now = virtual_epoch;
+  const auto pass = [&](int seconds, double value) {
+    for (int i = 0; i < 10 * seconds; ++i) recent.add(value, now += 100ms);
+  };
+  pass(20, 5.0);
+  pass(2, 11.0);
+  EXPECT_TRUE(recent.violated(now));
+  pass(3, 5.0);
+  EXPECT_TRUE(recent.violated(now + 999ms));
+  EXPECT_FALSE(recent.violated(now + 1s)) << "without further values, too";
+  pass(1, 5.0);
+  EXPECT_FALSE(recent.held()) << "20 values of the last 200 are above";
+  recent.add(11.0, now);
+  EXPECT_TRUE(recent.violated(now));
+}
+
+TEST(RecentP99, is_not_displayed_as_violated_by_one_value_in_a_hundred) {
+  RecentP99 recent{10.0, 200};
+  for (int i = 0; i < 200; ++i) recent.add(5.0, {});
+  recent.add(11.0, {});
+  EXPECT_FALSE(recent.violated({}));
 }
 
 }  // namespace
