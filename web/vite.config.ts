@@ -5,17 +5,11 @@ import { vda_schemas } from './dev/vda-schemas.mjs';
 // The page is served by cosiva itself; while developing, /api is answered by a running platform or by dev/mock-server.mjs.
 const platform = process.env.COSIVA_URL ?? 'http://127.0.0.1:8080';
 
-/** Leaves out of the page what it never uses: words for people in the shaders, and uPlot's further ways to draw. */
+/** Leaves out of the page what it never uses: words for people in the shaders. */
 const leave_out: Plugin = {
   name: 'leave-out',
   enforce: 'pre',
-  transform(code, id) {
-    if (id.endsWith('/webgl_shader.ts')) return code.replace(/\/\/[^\n]*/g, '').replace(/\n\s+/g, '\n');
-    if (!id.includes('/uplot/dist/uPlot.esm.js')) return null;
-    const less = code.replace(/\(paths\.(stepped|bars|spline)\s*= \w+\);/g, '').replace(/uPlot\.(join|fmtDate|tzDate|rangeLog|rangeAsinh)\s*= \w+;/g, '');
-    if (code.length - less.length < 150) this.error('uPlot is built differently now: look again at what can be left out of it.');
-    return less;
-  },
+  transform: (code, id) => (id.endsWith('/webgl_shader.ts') ? code.replace(/\/\/[^\n]*/g, '').replace(/\n\s+/g, '\n') : null),
 };
 
 /** Loads the later chunks with a bare import(): Vite's own helper only adds their style sheets, and none of them has one. */

@@ -1,6 +1,6 @@
 // The page must stay light: what a browser fetches to show it, gzipped, within 120 kB. What it fetches later,
-// for a chart (uPlot), a message's faults (the official schemas), the batteries or the camera's image, is reported
-// separately and has its own limit.
+// for the help, an opened message (with the official schemas), the batteries or the camera's image, is reported separately
+// and has its own limit.
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
