@@ -1,5 +1,6 @@
 // The changes between two successive messages of a topic.
-import { is_object, join, type Json, type JsonObject } from './schema';
+import { is_object, type Json, type JsonObject } from './json';
+import { join } from './schema';
 
 export interface Change {
   /** path in the newer message; for a removed value, its path in the older one */

@@ -1,6 +1,7 @@
 // Formats a message as lines, with short objects on one line. Each line carries the path of its value, so that errors and
 // changes can be marked in place.
-import { is_object, join, type Json } from './schema';
+import { is_object, type Json } from './json';
+import { join } from './schema';
 
 export interface Token {
   is: 'key' | 'string' | 'number' | 'word' | 'sign';

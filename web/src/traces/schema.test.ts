@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { is_date_time, unknown_keywords, validate, type Json, type JsonObject } from './schema';
+import type { Json, JsonObject } from './json';
+import { is_date_time, unknown_keywords, validate } from './schema';
 import { vda_faults, vda_kind_of, vda_kinds, vda_schema, type VdaKind } from './vda';
 
 const files = import.meta.glob<string>('../../../src/wire/vda5050/schemas/*.schema', { query: '?raw', import: 'default', eager: true });

@@ -1,7 +1,6 @@
 // A validator for the part of JSON Schema (2020-12) that the official VDA 5050 schemas use, and slightly more. Each error has
 // a path and a sentence. An unsupported keyword is reported when a schema is loaded, and not ignored without a report later.
-export type Json = null | boolean | number | string | readonly Json[] | { readonly [key: string]: Json };
-export type JsonObject = { readonly [key: string]: Json };
+import { is_object, type Json, type JsonObject } from './json';
 
 export interface Fault {
   /** "nodeStates[2].nodeId"; empty: the message itself */
@@ -40,10 +39,6 @@ export function validate(schema: JsonObject, value: Json): Fault[] {
 export function join(path: string, step: string | number): string {
   if (typeof step === 'number') return `${path}[${step}]`;
   return path === '' ? step : `${path}.${step}`;
-}
-
-export function is_object(value: Json | undefined): value is JsonObject {
-  return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
 function type_of(value: Json): string {

@@ -1,6 +1,6 @@
 // Communications as text: times, one-line summaries, and exports as NDJSON or CSV.
 import type { Trace } from '../live/contract';
-import { is_object, type Json } from './schema';
+import { is_object, type Json } from './json';
 import type { RowList } from './filter';
 import type { TraceStore } from './store';
 

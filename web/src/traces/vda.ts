@@ -1,5 +1,6 @@
 // The official VDA 5050 2.1.0 schemas, loaded when the first message is opened.
-import { validate, type Fault, type Json, type JsonObject } from './schema';
+import type { Json, JsonObject } from './json';
+import { validate, type Fault } from './schema';
 
 export const vda_kinds = ['connection', 'factsheet', 'instantActions', 'order', 'state', 'visualization'] as const;
 export type VdaKind = (typeof vda_kinds)[number];
