@@ -105,7 +105,7 @@ export class World extends Motion {
       commands: { issued: this.commands.length, accepted: this.commands.filter((c) => c.accepted_ms !== null).length, materialised: done.length, failed: this.commands.filter((c) => c.state === 'failed').length, latency_ms: statistics(done.length ? 480 : 0, done.length ? 910 : 0, done.length) },
       events: { count: 412, latency_ms: statistics(48, 131, 412), by_kind: { arrival: 4, tag: 380, obstacle: 9, stop: 19, battery: 0 } },
       effects: { perceived_ms: statistics(18, 41, 37), brakes_ms: statistics(21, 44, 12), shown_ms: statistics(62, 97, 5) },
-      held_ratio: lost ? 0.981 : 0.9994, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
+      held_ratio: lost ? 0.981 : 0.9994, held: { divergence: true, age: !lost, actual: true, commands: true, events: true, effects: true }, contract: { divergence_p99_m: 0.03, age_p99_ms: 150, command_p99_ms: 2000, event_p99_ms: 500, effect_p99_ms: 200 },
     };
   }
   snapshot() {

@@ -2,6 +2,7 @@
 import { key_of, type Action } from '../shell/keys';
 import { operator_commands, presence_commands, type Presence } from './operator_commands';
 import type { CommandName } from '../live/contract';
+import { frame_names, frame_titles } from '../shell/url';
 
 export type Doing =
   | { kind: 'act'; action: Action }
@@ -35,10 +36,7 @@ const actions: readonly [Action, string][] = [
   ['next', 'Select the next AIV'],
   ['previous', 'Select the previous AIV'],
   ['search', 'Search AIVs'],
-  ['frame 1', 'Fill the page with Supervision of AIVs'],
-  ['frame 2', 'Fill the page with States of AIVs'],
-  ['frame 3', 'Fill the page with Circuit'],
-  ['frame 4', 'Fill the page with Traces of communications'],
+  ...frame_names.map((name, i): [Action, string] => [`frame ${i + 1}` as Action, `Fill the page with ${frame_titles[name]}`]),
   ['theme', 'Change the colours: light, dark, as the system'],
   ['help', 'Keys and help'],
 ];
@@ -68,7 +66,7 @@ export const page_entries: readonly [name: string, text: string][] = [
   ['redo', 'Redo the edit of the zone'],
   ['save zone', 'Save the zone'],
   ['order', 'List AIVs by priority, or by number'],
-  ['columns', 'Columns of the table as they fit'],
+  ['columns', 'Show all columns of the table'],
   ['layout', 'Frames as at first'],
   ['letters', 'Switch single-letter keys on or off'],
 ];

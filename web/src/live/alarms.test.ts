@@ -144,6 +144,15 @@ describe('the alarm list', () => {
     expect(alarms_after(new AlarmBook(), [aiv(1)], { bijection })).toMatchObject([{ name: 'AIV9', text: 'A twin without a vehicle: it has signed off (OFFLINE)' }]);
   });
 
+  it('names the twin of a vehicle that has signed off as long as the twin exists, though the vehicle is lost by then', () => {
+    const book = new AlarmBook();
+    const left = [aiv(9, { connection: 'OFFLINE', lost: true })];
+    const orphans = [{ side: 'virtual' as const, id: 'CoSiVA/AIV9', reason: 'it has signed off (OFFLINE)', since_ms: 0 }];
+    const alarms = alarms_after(book, left, { bijection: { ...snapshot(left).bijection, orphans }, time_ms: 12_000 });
+    expect(alarms).toMatchObject([{ name: 'AIV9', ended_ms: null }]);
+    expect(alarms_after(book, [], { time_ms: 13_000 })).toMatchObject([{ name: 'AIV9', ended_ms: 13_000 }]);
+  });
+
   it('names a body that the camera sees once, by its finding', () => {
     const now = snapshot([aiv(1)]);
     const text = 'the camera sees it (tag 7) at (0.1, 0.4), and it has no twin';

@@ -33,7 +33,7 @@ export function causes_of(aiv: Aiv): AlarmCause[] {
   else if (aiv.lost && aiv.connection === 'ONLINE') add('unresponsive', `No report for ${format.duration(aiv.age_ms)}`);
   if (here) {
     if (!aiv.contract.matched) add('matched', 'No twin');
-    // The contract covers the last ten seconds; the current values may be within the limits again.
+    // Violations of the last seconds; the current values may be within the limits again.
     if (!aiv.contract.divergence) add('divergence', 'Divergence recently above the contractual limit');
     if (aiv.contract.actual === false) add('actual', 'Recently deviating from the measurement of the camera');
     if (!aiv.contract.age) add('age', 'Age of reports recently above the contractual limit');
@@ -92,7 +92,7 @@ export class AlarmBook {
     };
     for (const row of rows) for (const cause of causes_of(row.aiv)) see(row.id, row.name, cause);
     // An absent vehicle has an alarm of its own, except one that has signed off.
-    const absent = new Set(rows.filter(({ aiv }) => aiv.lost || aiv.connection === 'CONNECTIONBROKEN').map(({ id }) => id));
+    const absent = new Set(rows.filter(({ aiv }) => aiv.connection === 'CONNECTIONBROKEN' || (aiv.lost && aiv.connection === 'ONLINE')).map(({ id }) => id));
     const detected = new Set((snapshot.bijection.findings ?? []).map(({ id }) => id));
     for (const orphan of snapshot.bijection.orphans) {
       if (absent.has(orphan.id) || detected.has(orphan.id)) continue;

@@ -224,6 +224,8 @@ export interface Bijection {
   events: { count: number; latency_ms: Statistics; by_kind: Readonly<Record<string, number>> };
   /** ratio of the time in which the whole contract was fulfilled, 0…1 */
   held_ratio: number;
+  /** whether each contract holds now: false for some seconds after a violation */
+  held: Readonly<Record<'divergence' | 'age' | 'actual' | 'commands' | 'events' | 'effects', boolean>>;
   /** the limits in force; absent: the page assumes the defaults */
   contract?: Partial<ContractLimits>;
 }

@@ -18,7 +18,7 @@ export function snapshot(aivs: readonly Aiv[], change: Partial<Snapshot> = {}): 
   const bijection: Bijection = {
     physical: n, virtual: n, matched: n, matched_ratio: 1, orphans: [], augmented: 0, divergence_m: none, divergence_rad: none, age_ms: none,
     commands: { issued: 0, accepted: 0, materialised: 0, failed: 0, latency_ms: none }, events: { count: 0, latency_ms: none, by_kind: {} },
-    effects: { perceived_ms: none, brakes_ms: none, shown_ms: none }, held_ratio: 1,
+    effects: { perceived_ms: none, brakes_ms: none, shown_ms: none }, held_ratio: 1, held: { divergence: true, age: true, actual: true, commands: true, events: true, effects: true },
   };
   return {
     time: '', time_ms: 10_000, zoneRevision: 1, zoneEdits: { undo: 0, redo: 0, unsaved: false }, aivs, virtualObjects: [], obstacles: [], crossings: [],

@@ -3,11 +3,12 @@ import type { Theme } from './theme.svelte';
 
 export const frame_names = ['supervision', 'states', 'circuit', 'traces'] as const;
 export type FrameName = (typeof frame_names)[number];
+/** The titles of the article's figure 2. */
 export const frame_titles: Readonly<Record<FrameName, string>> = {
   supervision: 'Supervision of AIVs',
   states: 'States of AIVs',
   circuit: 'Circuit',
-  traces: 'Traces of communications',
+  traces: 'Traces of communications between AIVs',
 };
 
 export const panel_names = ['bijection', 'alarms', 'boards', 'battery', 'gvs', 'log'] as const;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { abnormal, columns, columns_in, contract_of, csv_of, holds_of, mission_of, reserved_length, sort_after, sorted, sorted_like } from './table';
+import { abnormal, columns, columns_of, contract_of, csv_of, holds_of, mission_of, reserved_length, sort_after, sorted, sorted_like } from './table';
 import { aiv, rows } from '../live/snapshot_sample';
 
 const column = (key: string) => columns.find((one) => one.key === key)!;
@@ -31,16 +31,9 @@ describe('sorting', () => {
 });
 
 describe('columns', () => {
-  it('are all shown if there is room', () => expect(columns_in(5_000, {})).toHaveLength(columns.length));
-  it('are hidden in the order of their importance, never the first three', () => {
-    expect(columns_in(0, {}).map((one) => one.key)).toEqual(['number', 'name', 'state']);
-    const some = columns_in(800, {}).map((one) => one.key);
-    expect(some).toContain('battery');
-    expect(some).not.toContain('position');
-  });
-  it('are shown or hidden as chosen by the user', () => {
-    const chosen = columns_in(0, { position: true, state: false }).map((one) => one.key);
-    expect(chosen).toEqual(['number', 'name', 'position']);
+  it('are all shown at first', () => expect(columns_of({})).toHaveLength(columns.length));
+  it('are hidden as chosen by the user', () => {
+    expect(columns_of({ position: true, state: false }).map((one) => one.key)).toEqual(columns.map((one) => one.key).filter((key) => key !== 'state'));
   });
 });
 

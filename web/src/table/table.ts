@@ -20,8 +20,6 @@ export interface Column {
   exact?(row: Row): string | number | null;
   /** history drawn next to the text, over the last minute */
   series?: Series;
-  /** columns of rank 1 are always shown; on a narrow table the highest ranks are hidden first */
-  rank: number;
 }
 
 const yes = (value: boolean, word: string) => (value ? word : '');
@@ -60,23 +58,23 @@ const connection_words = { ONLINE: 'online', OFFLINE: 'offline', CONNECTIONBROKE
 const state_order = ['lost', 'stopped', 'slow', 'normal', 'medium', 'fast'];
 
 export const columns: readonly Column[] = [
-  { key: 'number', title: 'No.', what: 'Number', width_px: 40, number: true, rank: 1, text: (row) => row.label, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
-  { key: 'name', title: 'Name', what: 'Name', width_px: 84, rank: 1, text: (row) => row.name, order: (row) => row.name, exact: (row) => row.id },
-  { key: 'state', title: 'State', what: 'State', width_px: 120, rank: 1, text: (row) => state_styles[row.state].word, order: (row) => state_order.indexOf(row.state) },
-  { key: 'speed', title: 'Speed', what: 'Speed, with its last minute', width_px: 108, number: true, rank: 2, series: 'speed', text: (row) => format.speed(row.aiv.speed), order: (row) => row.aiv.speed, exact: (row) => row.aiv.speed },
-  { key: 'section', title: 'Section', what: 'Section, and distance on it', width_px: 112, rank: 2, text: (row) => (row.aiv.section === null ? 'off the circuit' : `${row.aiv.section} ${format.metres(row.aiv.s)}`), order: (row) => (row.aiv.section === null ? null : `${row.aiv.section} ${String(Math.round(1000 * (row.aiv.s ?? 0))).padStart(9, '0')}`) },
-  { key: 'tag', title: 'Last tag', what: 'Last tag, and distance since', width_px: 92, rank: 4, text: (row) => (row.aiv.lastTag === null ? format.none : `${row.aiv.lastTag}${row.aiv.sinceTag_m === null ? '' : ` + ${format.metres(row.aiv.sinceTag_m)}`}`), order: (row) => row.aiv.lastTag },
-  { key: 'battery', title: 'Battery', what: 'Battery', width_px: 62, number: true, rank: 3, text: (row) => format.percent(row.aiv.battery), order: (row) => row.aiv.battery, exact: (row) => row.aiv.battery },
-  { key: 'divergence', title: 'Divergence', what: 'Distance of the twin from the report, with its last minute', width_px: 116, number: true, rank: 2, series: 'divergence', text: (row) => (lost(row) ? format.none : format.length(row.aiv.divergence_m)), order: (row) => (lost(row) ? null : row.aiv.divergence_m), exact: (row) => row.aiv.divergence_m },
-  { key: 'age', title: 'Age', what: 'Age of the last report, with its last minute', width_px: 104, number: true, rank: 3, series: 'age', text: (row) => (lost(row) ? format.lasting(row.aiv.age_ms) : format.duration(row.aiv.age_ms)), order: (row) => row.aiv.age_ms, exact: (row) => row.aiv.age_ms },
-  { key: 'holds', title: 'Waits, brakingFor', what: 'Cause of a stop: a crossing, a vehicle, a virtual body', width_px: 120, rank: 4, text: holds_of, order: (row) => holds_of(row) || null },
-  { key: 'mission', title: 'Mission', what: 'Its destination, or that it circulates', width_px: 110, rank: 5, text: mission_of, order: (row) => mission_of(row) || null },
-  { key: 'connection', title: 'Link', what: 'Connection', width_px: 64, rank: 5, text: (row) => connection_words[row.aiv.connection], order: (row) => row.aiv.connection },
-  { key: 'contract', title: 'Contract', what: 'Contract of the bijection over the last ten seconds', width_px: 84, rank: 4, text: contract_of, order: contract_of },
-  { key: 'order', title: 'Order', what: 'Order and update', width_px: 110, rank: 6, text: (row) => (row.aiv.orderId === '' ? 'none' : `${row.aiv.orderId} · ${row.aiv.orderUpdateId}`), order: (row) => row.aiv.orderId || null },
-  { key: 'reserved', title: 'Reserved', what: 'Length of the path reserved ahead of it', width_px: 72, number: true, rank: 6, text: (row) => (reserved_length(row) === 0 ? format.none : format.metres(reserved_length(row))), order: reserved_length, exact: reserved_length },
-  { key: 'priority', title: 'Priority', what: 'Priority at crossings', width_px: 64, number: true, rank: 7, text: (row) => String(row.aiv.priority), order: (row) => row.aiv.priority },
-  { key: 'position', title: 'Position', what: 'Position of the twin, x and y [m]', width_px: 116, number: true, rank: 8, text: (row) => `${row.aiv.x.toFixed(3)}, ${row.aiv.y.toFixed(3)}`, order: (row) => row.aiv.x },
+  { key: 'number', title: 'No.', what: 'Number', width_px: 58, number: true, text: (row) => row.label, order: (row) => row.aiv.number + (row.aiv.augmented ? 1e6 : 0) },
+  { key: 'name', title: 'Name', what: 'Name', width_px: 84, text: (row) => row.name, order: (row) => row.name, exact: (row) => row.id },
+  { key: 'state', title: 'State', what: 'State', width_px: 120, text: (row) => state_styles[row.state].word, order: (row) => state_order.indexOf(row.state) },
+  { key: 'speed', title: 'Speed', what: 'Speed, with its last minute', width_px: 108, number: true, series: 'speed', text: (row) => format.speed(row.aiv.speed), order: (row) => row.aiv.speed, exact: (row) => row.aiv.speed },
+  { key: 'section', title: 'Section', what: 'Section, and distance on it', width_px: 132, text: (row) => (row.aiv.section === null ? 'off the circuit' : `${row.aiv.section} ${format.metres(row.aiv.s)}`), order: (row) => (row.aiv.section === null ? null : `${row.aiv.section} ${String(Math.round(1000 * (row.aiv.s ?? 0))).padStart(9, '0')}`) },
+  { key: 'tag', title: 'Last tag', what: 'Last tag, and distance since', width_px: 112, text: (row) => (row.aiv.lastTag === null ? format.none : `${row.aiv.lastTag}${row.aiv.sinceTag_m === null ? '' : ` + ${format.metres(row.aiv.sinceTag_m)}`}`), order: (row) => row.aiv.lastTag },
+  { key: 'battery', title: 'Battery', what: 'Battery', width_px: 84, number: true, text: (row) => format.percent(row.aiv.battery), order: (row) => row.aiv.battery, exact: (row) => row.aiv.battery },
+  { key: 'divergence', title: 'Divergence', what: 'Distance of the twin from the report, with its last minute', width_px: 116, number: true, series: 'divergence', text: (row) => (lost(row) ? format.none : format.length(row.aiv.divergence_m)), order: (row) => (lost(row) ? null : row.aiv.divergence_m), exact: (row) => row.aiv.divergence_m },
+  { key: 'age', title: 'Age', what: 'Age of the last report, with its last minute', width_px: 108, number: true, series: 'age', text: (row) => (lost(row) ? format.lasting(row.aiv.age_ms) : format.duration(row.aiv.age_ms)), order: (row) => row.aiv.age_ms, exact: (row) => row.aiv.age_ms },
+  { key: 'holds', title: 'Waits, brakingFor', what: 'Cause of a stop: a crossing, a vehicle, a virtual body', width_px: 150, text: holds_of, order: (row) => holds_of(row) || null },
+  { key: 'mission', title: 'Mission', what: 'Its destination, or that it circulates', width_px: 140, text: mission_of, order: (row) => mission_of(row) || null },
+  { key: 'connection', title: 'Link', what: 'Connection', width_px: 68, text: (row) => connection_words[row.aiv.connection], order: (row) => row.aiv.connection },
+  { key: 'contract', title: 'Contract', what: 'Contract of the bijection, with violations of the last seconds', width_px: 92, text: contract_of, order: contract_of },
+  { key: 'order', title: 'Order', what: 'Order and update', width_px: 150, text: (row) => (row.aiv.orderId === '' ? 'none' : `${row.aiv.orderId} · ${row.aiv.orderUpdateId}`), order: (row) => row.aiv.orderId || null },
+  { key: 'reserved', title: 'Reserved', what: 'Length of the path reserved ahead of it', width_px: 96, number: true, text: (row) => (reserved_length(row) === 0 ? format.none : format.metres(reserved_length(row))), order: reserved_length, exact: reserved_length },
+  { key: 'priority', title: 'Priority', what: 'Priority at crossings', width_px: 86, number: true, text: (row) => String(row.aiv.priority), order: (row) => row.aiv.priority },
+  { key: 'position', title: 'Position', what: 'Position of the twin, x and y [m]', width_px: 116, number: true, text: (row) => `${row.aiv.x.toFixed(3)}, ${row.aiv.y.toFixed(3)}`, order: (row) => row.aiv.x },
 ];
 
 /** @param sort  key of a column, with a minus sign in front for descending order; an unknown key keeps the order by number */
@@ -104,19 +102,8 @@ export function sort_after(sort: string, key: string): string {
   return sort === key ? `-${key}` : key;
 }
 
-/** The columns that fit, without the least important ones; columns that the user has shown or hidden keep that choice. */
-export function columns_in(room_px: number, chosen: Readonly<Record<string, boolean>>): readonly Column[] {
-  const wanted = new Set(columns.filter((column) => chosen[column.key] ?? true));
-  let width = 0;
-  for (const column of wanted) width += column.width_px;
-  const leaving = [...wanted].filter((column) => column.rank > 1 && chosen[column.key] === undefined).sort((a, b) => b.rank - a.rank);
-  for (const column of leaving) {
-    if (width <= room_px) break;
-    wanted.delete(column);
-    width -= column.width_px;
-  }
-  return columns.filter((column) => wanted.has(column));
-}
+/** All columns but those that the user has hidden; a narrow frame scrolls. */
+export const columns_of = (shown: Readonly<Record<string, boolean>>): readonly Column[] => columns.filter(({ key }) => shown[key] ?? true);
 
 /** CSV (RFC 4180) of all columns with exact values, for spreadsheets and scripts. */
 export function csv_of(rows: readonly Row[]): string {

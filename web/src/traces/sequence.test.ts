@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { agent_label, arrow_of, find_figure, in_order, lifelines, proxy_of } from './sequence';
+import { agent_label, arrow_of, find_figure, first_agents, in_order, lifelines, proxy_of } from './sequence';
 import { path_of, span_of, svg_of, words_of } from './sequence_svg';
 import { TraceStore } from './store';
 import { csv_line, Export, ndjson_line, summary_of } from './text';
@@ -94,8 +94,17 @@ describe('the layout', () => {
   });
   it('widens the diagram to keep the distance between lifelines', () => {
     const { lines, width_px } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'], 400, false);
-    for (let i = 1; i < lines.length; i++) expect(lines[i]!.x - lines[i - 1]!.x).toBeGreaterThanOrEqual(112);
+    for (let i = 1; i < lines.length; i++) expect(lines[i]!.x - lines[i - 1]!.x).toBeGreaterThanOrEqual(92);
     expect(width_px).toBeGreaterThan(lines.at(-1)!.x + 50);
+  });
+  it('begins with lifelines that fit without scrolling: at least one vehicle, the server and the simulator', () => {
+    const known = in_order(['operator', 'CoSiVA/AIV1', 'CoSiVA/AIV2', 'CoSiVA/AIV3', 'AIV_Server', 'Simulator', 'RTM']);
+    const fleet = ['CoSiVA/AIV9', 'CoSiVA/AIV1', 'CoSiVA/AIV2', 'CoSiVA/AIV3']; // of AIV9 there is no message
+    expect(first_agents(known, fleet, 348)).toEqual(['CoSiVA/AIV1', 'AIV_Server', 'Simulator']);
+    expect(first_agents(known, fleet, 490)).toEqual(['CoSiVA/AIV1', 'CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
+    expect(first_agents(known, fleet, 1_400)).toEqual(['CoSiVA/AIV1', 'CoSiVA/AIV2', 'CoSiVA/AIV3', 'operator', 'AIV_Server', 'Simulator']);
+    expect(first_agents(known, ['CoSiVA/AIV3'], 500)).toEqual(['CoSiVA/AIV3', 'operator', 'AIV_Server', 'Simulator']);
+    for (const width of [348, 490, 1_400]) expect(lifelines(first_agents(known, fleet, width), width, false).width_px).toBe(width);
   });
   it('draws an arrow from sender to receiver; via the proxy the radio part is the outer one', () => {
     const store = store_of(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);

@@ -4,8 +4,12 @@ import { manufacturer, serial } from '../live/format';
 import { note_kind, chunk_rows, type TraceStore } from './store';
 
 export const everybody = '*';
-export const row_px = 34;
-export const gutter_px = 92;
+export const row_px = 28;
+/** Width of the column of times; a narrow diagram shows minutes and seconds only. */
+export const gutter_of = (width_px: number): number => (width_px < narrow_px ? 58 : 92);
+export const narrow_px = 440;
+const step_min_px = 92;
+const margin_px = 14;
 
 /** The displayed name of an agent. */
 export function agent_label(name: string): string {
@@ -55,13 +59,21 @@ export function lifelines(agents: readonly string[], width_px: number, proxies: 
     const made = ordered.filter(is_aiv).map((name) => ({ name: proxy_of(name), label: proxy_of(name) }));
     if (server >= 0) names.splice(server, 0, ...made);
   }
-  const widest = Math.max(0, ...names.map(({ label }) => label.length)) * 7 + 26;
-  const room = names.length === 0 ? 0 : (width_px - gutter_px - 20) / names.length;
-  const step = Math.max(widest, 112, Math.min(room, 260));
+  const gutter = gutter_of(width_px);
+  const widest = Math.max(0, ...names.map(({ label }) => label.length)) * 7 + 22;
+  const room = names.length === 0 ? 0 : (width_px - gutter - margin_px) / names.length;
+  const step = Math.max(widest, step_min_px, Math.min(room, 260));
   return {
-    lines: names.map(({ name, label }, i) => ({ name, label, x: gutter_px + step * (i + 0.5) })),
-    width_px: Math.max(width_px, gutter_px + step * names.length + 20),
+    lines: names.map(({ name, label }, i) => ({ name, label, x: gutter + step * (i + 0.5) })),
+    width_px: Math.max(width_px, gutter + step * names.length + margin_px),
   };
+}
+
+/** The first lifelines: server, simulator, and as many of these vehicles and the operator as fit without scrolling, at least one vehicle. */
+export function first_agents(known: readonly string[], wanted: readonly string[], width_px: number): string[] {
+  const room = Math.floor((width_px - gutter_of(width_px) - margin_px) / step_min_px);
+  const vehicles = wanted.filter((id) => known.includes(id)).slice(0, Math.max(1, Math.min(5, room - 2)));
+  return [...vehicles, ...(room > vehicles.length + 2 ? ['operator'] : []), 'AIV_Server', 'Simulator'].filter((name) => known.includes(name));
 }
 
 export interface Leg {

@@ -1,8 +1,8 @@
 // The sequence diagram as a self-contained SVG file, with its colours and fonts, for use in a paper.
-import { gutter_px, row_px, type Arrow, type Lifeline } from './sequence';
+import { gutter_of, row_px, type Arrow, type Lifeline } from './sequence';
 import { summary_of, time_of_day } from './text';
 
-export const head_px = 44;
+export const head_px = 36;
 export interface Colours {
   ground: string;
   ink: string;
@@ -31,15 +31,15 @@ export function svg_of(title: string, lines: readonly Lifeline[], arrows: readon
   for (const { x, label } of lines) {
     const half = (label.length * 7 + 18) / 2;
     parts.push(
-      `<line x1="${x}" x2="${x}" y1="${top - 8}" y2="${height - 8}" stroke="${colours.line}" stroke-dasharray="4 4"/>`,
-      `<rect x="${x - half}" y="${top - 36}" width="${2 * half}" height="26" rx="5" fill="${colours.ground}" stroke="${colours.quiet}"/>`,
-      `<text x="${x}" y="${top - 18}" text-anchor="middle" font-weight="600" fill="${colours.ink}">${escaped(label)}</text>`,
+      `<line x1="${x}" x2="${x}" y1="${top - 7}" y2="${height - 8}" stroke="${colours.line}" stroke-dasharray="4 4"/>`,
+      `<rect x="${x - half}" y="${top - 33}" width="${2 * half}" height="26" rx="5" fill="${colours.ground}" stroke="${colours.quiet}"/>`,
+      `<text x="${x}" y="${top - 15}" text-anchor="middle" font-weight="600" fill="${colours.ink}">${escaped(label)}</text>`,
     );
   }
   arrows.forEach((arrow, i) => {
     const y = top + i * row_px + row_px - 9;
     parts.push(`<text x="10" y="${y + 4}" font-size="11" fill="${colours.quiet}">${time_of_day(arrow.time_ms)}</text>`);
-    if (arrow.note) parts.push(`<text x="${gutter_px + 6}" y="${y + 2}" font-style="italic" fill="${colours.quiet}">${escaped(arrow.content)}</text>`);
+    if (arrow.note) parts.push(`<text x="${gutter_of(width) + 6}" y="${y + 2}" font-style="italic" fill="${colours.quiet}">${escaped(arrow.content)}</text>`);
     for (const leg of arrow.legs)
       parts.push(`<path d="${path_of(leg.x0, leg.x1, y)}" fill="none" stroke="${colours.accent}" stroke-width="1.4"${leg.radio ? ' stroke-dasharray="6 3"' : ''} marker-end="url(#tip)"/>`);
     if (arrow.legs.length === 0) return;
