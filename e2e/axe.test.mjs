@@ -12,7 +12,7 @@ const axe_source = readFileSync(createRequire(import.meta.url).resolve('axe-core
 /** [name, how to open the view, how to leave it] */
 const views = [
   ['all four frames', async () => {}, async () => {}],
-  ...['Supervision of AIVs', 'States of AIVs', 'Circuit', 'Traces of communications'].map((title, i) => [
+  ...['Supervision of AIVs', 'States of AIVs', 'Circuit', 'Traces of communications between AIVs'].map((title, i) => [
     `${title}, alone`, (page) => page.keyboard.press(String(i + 1)), (page) => page.keyboard.press(String(i + 1)),
   ]),
   ...['Bijection', 'Alarms', 'Boards', 'Batteries', 'GVS', 'Log'].map((name) => [

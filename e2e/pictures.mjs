@@ -1,5 +1,6 @@
 // Creates the images of README and guides again, of the real platform: `node e2e/pictures.mjs` after scripts/setup
-// test and a build. To be run on an idle machine: load affects the metrics shown.
+// test and a build; `node e2e/pictures.mjs page gvs` only these of zones, reports, gvs and page. To be run on an idle
+// machine: load affects the metrics shown.
 import { mkdirSync } from 'node:fs';
 import path from 'node:path';
 import { open_browser, open_page } from './lib/browser.mjs';
@@ -58,11 +59,8 @@ async function take_gvs(browser) {
   await platform.stop();
 }
 
-async function take() {
-  const browser = await open_browser(t);
-  await take_zones(browser);
-  await take_reports(browser);
-  await take_gvs(browser);
+/** The page, each of its frames alone, and the sequence diagram. */
+async function take_page(browser) {
   const platform = await Platform.up(t, { args: ['--scenario', 'showroom', '--name', 'showroom'] });
   const shot = async (page, name) => {
     await page.mouse.move(5, 5);
@@ -94,7 +92,13 @@ async function take() {
 }
 
 try {
-  await take();
+  const browser = await open_browser(t);
+  const parts = { zones: take_zones, reports: take_reports, gvs: take_gvs, page: take_page };
+  const wanted = process.argv.length > 2 ? process.argv.slice(2) : Object.keys(parts);
+  for (const name of wanted) {
+    if (!parts[name]) throw new Error(`no part ${name}: ${Object.keys(parts).join(', ')}`);
+    await parts[name](browser);
+  }
 } finally {
   for (const end of endings.reverse()) await end();
 }
