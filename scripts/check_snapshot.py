@@ -32,13 +32,13 @@ EXCEPTIONS = {
     "Convoys": {"chain_": "scratch"},
     "CoursePosition": {"pose_": "derived"},
     "Deadlocks": {"rules_": "constant"},
+    "Dems": {"line_sd_m_": "constant", "random_": "renewed"},
     "DistanceCounter": {"step_m_max_": "constant"},
     "DrivingContext": {"crossings_": "constant"},
     "Estimating": {"registry_": "constant", "model_": "constant"},
     "LineVehicle": {
-        "circuit_": "derived", "train_": "constant", "line_offset_sd_m_": "constant", "line_random_": "renewed",
-        "goes_on_": "scratch", "step_distance_m_": "scratch", "step_acceleration_mps2_": "scratch", "step_manoeuvre_": "scratch",
-        "lag_dt_s_": "derived", "motor_blend_": "derived", "turn_blend_": "derived", "may_end_here_": "derived",
+        "circuit_": "derived",
+        "goes_on_": "scratch", "step_distance_m_": "scratch", "step_manoeuvre_": "scratch", "may_end_here_": "derived",
     },
     "MessagePublisher": {"as_values_": "constant", "effects_": "scratch", "opened_at_": "scratch"},
     "Missions": {"map_": "derived", "router_": "derived"},
@@ -63,6 +63,10 @@ EXCEPTIONS = {
     "Obstacles": {"shape_": "constant", "world_": "derived", "discs_": "derived"},
     "Odometer": {
         "noise_m_per_sqrt_m_": "constant", "slip_per_mps2_": "constant", "random_": "renewed", "scale_": "constant",
+    },
+    "Pmot": {
+        "train_": "constant", "acceleration_mps2_": "scratch", "lag_dt_s_": "derived", "motor_blend_": "derived",
+        "turn_blend_": "derived",
     },
     "PowerTrain": {"cart_": "constant"},
     "Session": {"id_": "constant", "as_values_": "constant", "topics_": "constant", "intent_topic_": "derived"},

@@ -11,6 +11,7 @@
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 #include "cosiva/physical/boards/board_link.h"
+#include "cosiva/physical/boards/line_tracker.h"
 #include "cosiva/wire/messages/board.h"
 
 /// The four boards of one vehicle (A14 to A17), between the plant's values and the module link's frames. Each board is
@@ -42,6 +43,7 @@ class PilsBoard {
   [[nodiscard]] bool driven(SimTime now) const { return drive_ && now - driven_at_ <= drive_timeout; }
   /// What the motors have to do where the encoders have counted `distance_m`; nothing: stop.
   [[nodiscard]] std::optional<wire::Drive> drive(SimTime now, double distance_m);
+  [[nodiscard]] LineTracker& line_tracker() { return line_tracker_; }
 
   /// As BoardLink::next_due.
   [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), odometry_.next()); }
@@ -50,6 +52,7 @@ class PilsBoard {
   void on_message(SimTime now, const wire::BoardMessage& message);
 
   BoardLink link_{wire::Board::PILS};
+  LineTracker line_tracker_{line_tracking_names().front()};
   Every odometry_{std::chrono::milliseconds{20}};
   std::optional<wire::Drive> drive_;
   SimTime driven_at_{};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cosiva/physical/plant/odometer.h"
+#include "cosiva/physical/plant/tracked_vehicle.h"
 #include "cosiva/physical/plant/vehicle_dynamics.h"
 #include "cosiva/wire/messages/board.h"
 
@@ -16,10 +17,10 @@ using zone::Section;
 
 constexpr double dt_s = 0.01;
 
-LineVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
+TrackedVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
   return {circuit, start, line_sd_m, Random{1, "line"}};
 }
-void drive(LineVehicle& vehicle, const DriveCommand& command, double seconds) {
+void drive(TrackedVehicle& vehicle, const DriveCommand& command, double seconds) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) vehicle.step(&command, dt_s);
 }
 
@@ -34,7 +35,7 @@ constexpr DriveCommand creep(std::size_t branch) { return {0.05, 0.5, 0.8, branc
 
 TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_section) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.95});
+  TrackedVehicle vehicle = on(circuit, {0, 0.95});
   double along_m = 0.0;
   double turned_rad = 0.0;
   for (int i = 0; i < 1000 && circuit.part(vehicle.track_position().section).name == "in"; ++i) {
@@ -59,7 +60,7 @@ TEST(LineVehicle, stops_at_a_sharp_bend_turns_on_the_spot_and_follows_the_next_s
 
 TEST(LineVehicle, takes_the_smooth_branch_of_a_node_without_stopping) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.5});
+  TrackedVehicle vehicle = on(circuit, {0, 0.5});
   const DriveCommand command{0.5, 1.0, 1.0, 0};
   drive(vehicle, command, 1.0);
   for (int i = 0; i < 100; ++i) {
@@ -71,7 +72,7 @@ TEST(LineVehicle, takes_the_smooth_branch_of_a_node_without_stopping) {
 
 TEST(LineVehicle, stops_where_no_branch_is_commanded_and_goes_on_when_one_is) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.5});
+  TrackedVehicle vehicle = on(circuit, {0, 0.5});
   drive(vehicle, {0.5, 1.0, 1.0, wire::no_branch}, 5.0);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
   EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{0, 1.0}));
@@ -83,7 +84,7 @@ TEST(LineVehicle, stops_where_no_branch_is_commanded_and_goes_on_when_one_is) {
 
 TEST(LineVehicle, waiting_at_a_fork_counts_no_distance_however_long_it_is_commanded_to_drive) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.95});
+  TrackedVehicle vehicle = on(circuit, {0, 0.95});
   double rolled_m = 0.0;
   for (int i = 0; i < 2000; ++i) {
     const DriveCommand command = creep(wire::no_branch);
@@ -96,7 +97,7 @@ TEST(LineVehicle, waiting_at_a_fork_counts_no_distance_however_long_it_is_comman
 
 TEST(LineVehicle, brakes_for_a_bend_no_harder_than_its_motors_can) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.1});
+  TrackedVehicle vehicle = on(circuit, {0, 0.1});
   const DriveCommand command{0.8, 3.0, 1.0, 1};
   double before_mps = 0.0;
   for (int i = 0; i < 300 && vehicle.manoeuvre() == nullptr; ++i) {
@@ -109,7 +110,7 @@ TEST(LineVehicle, brakes_for_a_bend_no_harder_than_its_motors_can) {
 
 TEST(LineVehicle, turns_only_while_it_is_commanded) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.99});
+  TrackedVehicle vehicle = on(circuit, {0, 0.99});
   for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
   drive(vehicle, creep(1), 0.5);
   drive(vehicle, {0.0, 0.5, 0.8, 1}, 0.4);
@@ -129,7 +130,7 @@ TEST(LineVehicle, turns_only_while_it_is_commanded) {
 
 TEST(LineVehicle, that_coasts_onto_a_bend_waits_at_it) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.9});
+  TrackedVehicle vehicle = on(circuit, {0, 0.9});
   drive(vehicle, {0.5, 3.0, 1.0, 1}, 0.25);
   for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
@@ -142,7 +143,7 @@ TEST(LineVehicle, that_coasts_over_a_fork_keeps_to_the_commanded_branch) {
   const Circuit circuit = *Circuit::make("fork", {{"trunk", trunk, {}, {1, 2}},
                                                   {"left", *Section::make({1, 0, 0}, 1.0, 1.0), {}, {}},
                                                   {"right", *Section::make({1, 0, 0}, 1.0, -1.0), {}, {}}});
-  LineVehicle vehicle = on(circuit, {0, 0.5});
+  TrackedVehicle vehicle = on(circuit, {0, 0.5});
   drive(vehicle, {0.6, 1.0, 1.0, 1}, 1.1);
   ASSERT_EQ(vehicle.track_position().section, 0U);
   for (int i = 0; i < 500; ++i) vehicle.step(nullptr, dt_s);
@@ -151,7 +152,7 @@ TEST(LineVehicle, that_coasts_over_a_fork_keeps_to_the_commanded_branch) {
 
 TEST(LineVehicle, backs_up_to_a_sharp_bend_and_no_further) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {2, 0.3});
+  TrackedVehicle vehicle = on(circuit, {2, 0.3});
   drive(vehicle, {-0.3, 1.0, 1.0, 0}, 5.0);
   EXPECT_EQ(vehicle.track_position(), (zone::TrackPosition{2, 0.0}));
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
@@ -163,7 +164,7 @@ TEST(LineVehicle, turns_onto_the_line_as_accurately_as_it_is_painted) {
     RC_PRE(std::fabs(turn_rad) > 2e-3);
     const Circuit circuit = *Circuit::make("bend", {{"in", *Section::make({0, 0, 0}, 1.0), {}, {1}, true},
                                                     {"out", *Section::make({1, 0, turn_rad}, 2.0), {}, {}}});
-    LineVehicle vehicle{circuit, {0, 0.5}, 0.0005, Random{*rc::gen::arbitrary<std::uint32_t>(), "line"}};
+    TrackedVehicle vehicle{circuit, {0, 0.5}, 0.0005, Random{*rc::gen::arbitrary<std::uint32_t>(), "line"}};
     drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
     for (int i = 0; i < 3000 && vehicle.track_position().section == 0; ++i) drive(vehicle, creep(0), dt_s);
     RC_ASSERT(vehicle.track_position().section == 1U);
@@ -185,7 +186,7 @@ constexpr DriveCommand seek{0.3, 0.5, 0.8, 0, true};
 TEST(LineVehicle, put_on_another_floor_stays_in_place_and_waits_off_the_path) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0.1});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   const Pose2 before = vehicle.body().X_MB;
   vehicle.set_zone(next);
   EXPECT_TRUE(vehicle.line_lost());
@@ -206,7 +207,7 @@ TEST(LineVehicle, seeks_the_line_within_reach_and_follows_it) {
     const Circuit old = line();
     // A line at a lateral offset of `off_m` from (0, 0); the foot of the perpendicular is 2 m from its start.
     const Circuit next = other(Pose2{0, 0, turned_rad} * Pose2{-2.0, off_m, 0});
-    LineVehicle vehicle = on(old, {0, 5.0}, 0.0005);
+    TrackedVehicle vehicle = on(old, {0, 5.0}, 0.0005);
     const Pose2 began = vehicle.body().X_MB;
     vehicle.set_zone(next);
     Pose2 summed;
@@ -237,7 +238,7 @@ TEST(LineVehicle, given_a_goal_drives_onto_the_line_at_that_position) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0});
   const auto commanded = [&](const wire::Manoeuvre& goal) {
-    LineVehicle vehicle = on(old, {0, 5.0});
+    TrackedVehicle vehicle = on(old, {0, 5.0});
     vehicle.set_zone(next);
     const DriveCommand command{0.3, 0.5, 0.8, 0, true, goal};
     for (int i = 0; i < 1500 && !vehicle.following(); ++i) vehicle.step(&command, dt_s);
@@ -256,7 +257,7 @@ TEST(LineVehicle, given_a_goal_drives_onto_the_line_at_that_position) {
 TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.36, 0});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
   drive(vehicle, seek, 3.0);
   EXPECT_EQ(vehicle.manoeuvre(), nullptr);
@@ -267,7 +268,7 @@ TEST(LineVehicle, seeks_nothing_that_lies_beyond_its_reach) {
 TEST(LineVehicle, goes_on_where_the_new_floor_has_the_same_line_as_the_old_one) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.003, 0.02} * Pose2{-2, 0, 0});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
   EXPECT_FALSE(vehicle.line_lost());
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 2.0);
@@ -280,7 +281,7 @@ TEST(LineVehicle, goes_on_where_the_new_floor_has_the_same_line_as_the_old_one) 
 TEST(LineVehicle, commanded_to_seek_on_the_line_makes_a_manoeuvre_that_is_reported) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.0, 0.0});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
   int steps = 0;
   for (int i = 0; i < 100; ++i) {
@@ -296,7 +297,7 @@ TEST(LineVehicle, commanded_to_seek_slightly_off_the_line_s_centre_does_not_turn
   const Circuit old = line();
   // The new line has an offset of 8 mm and an angle of 0.02 rad: the sensors detect it.
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
   double turned_rad = 0.0;
   for (int i = 0; i < 100; ++i) {
@@ -313,7 +314,7 @@ TEST(LineVehicle, given_a_line_at_its_own_position_does_not_turn_across_it) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.008, 0.02} * Pose2{-2, 0, 0});
   for (const wire::Manoeuvre goal : {wire::Manoeuvre{0, 0, 0}, {3, -4, 15}, {-4, 2, -30}}) {
-    LineVehicle vehicle = on(old, {0, 5.0}, 0.002);
+    TrackedVehicle vehicle = on(old, {0, 5.0}, 0.002);
     vehicle.set_zone(next);
     const DriveCommand commanded{0.3, 0.5, 0.8, 0, true, goal};
     double turned_rad = 0.0;
@@ -329,7 +330,7 @@ TEST(LineVehicle, given_a_line_at_its_own_position_does_not_turn_across_it) {
 TEST(LineVehicle, given_a_line_at_an_angle_turns_to_its_heading_and_not_past_it) {
   const Circuit old = line();
   const Circuit next = other(Pose2{0, 0.005, -1.3} * Pose2{-2, 0, 0});
-  LineVehicle vehicle = on(old, {0, 5.0});
+  TrackedVehicle vehicle = on(old, {0, 5.0});
   vehicle.set_zone(next);
   const DriveCommand commanded{0.3, 0.5, 0.8, 0, true, wire::Manoeuvre{-1, 5, -1300}};
   double least_rad = 0.0;
@@ -344,7 +345,7 @@ TEST(LineVehicle, given_a_line_at_an_angle_turns_to_its_heading_and_not_past_it)
 
 TEST(LineVehicle, abandons_a_manoeuvre_without_commands_when_the_floor_is_replaced) {
   const Circuit circuit = node();
-  LineVehicle vehicle = on(circuit, {0, 0.99});
+  TrackedVehicle vehicle = on(circuit, {0, 0.99});
   for (int i = 0; i < 500 && vehicle.manoeuvre() == nullptr; ++i) drive(vehicle, creep(1), dt_s);
   drive(vehicle, creep(1), 0.4);
   for (int i = 0; i < 100; ++i) vehicle.step(nullptr, dt_s);
@@ -362,7 +363,7 @@ TEST(LineVehicle, abandons_a_manoeuvre_without_commands_when_the_floor_is_replac
 TEST(LineVehicle, put_on_another_floor_while_it_moves_is_an_internal_error) {
   const Circuit old = line();
   const Circuit next = other({-2, 0.2, 0});
-  LineVehicle vehicle = on(old, {0, 1.0});
+  TrackedVehicle vehicle = on(old, {0, 1.0});
   drive(vehicle, {0.3, 0.5, 0.8, 0}, 1.0);
   EXPECT_DEATH(vehicle.set_zone(next), "is_stopped");
 }

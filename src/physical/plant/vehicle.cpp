@@ -67,7 +67,7 @@ void Vehicle::step(SimTime now, double dt_s) {
   DriveCommand command = drive ? to_command(*drive) : DriveCommand{};
   if (awaits_floor_ && command.seek) command.speed_mps = 0.0;
   const Point2 before = position(motion_.body().X_MB);
-  motion_.step(drive ? &command : nullptr, dt_s);
+  motion_.step(drive ? &command : nullptr, boards_.line_tracker(), dt_s);
 
   const double moved_m = motion_.step_distance_m();
   if (motion_.following()) {
@@ -76,10 +76,11 @@ void Vehicle::step(SimTime now, double dt_s) {
     step_manoeuvre();
   }
   trip_.add(moved_m);
-  odometer_.add(in_body_frame(*floor_, moved_m), motion_.step_acceleration_mps2());
+  odometer_.add(in_body_frame(*floor_, moved_m), motion_.parts().pmot.acceleration_mps2());
   if (motion_.following()) read_tags(now, before);
 
-  drive_energy_j_ += power_.cart().drive_energy_j(moved_m, motion_.speed_mps(), motion_.step_acceleration_mps2(), dt_s);
+  drive_energy_j_ +=
+      power_.cart().drive_energy_j(moved_m, motion_.speed_mps(), motion_.parts().pmot.acceleration_mps2(), dt_s);
   book_energy(dt_s);
 }
 
@@ -132,7 +133,8 @@ void Vehicle::book_waiting(SimDuration dt) {
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
   boards_.speak(now,
                 {odometer_.distance_m(), in_body_frame(*floor_, motion_.speed_mps()),
-                 in_body_frame(*floor_, motion_.line_offset_m()), motion_.line_lost(),
+                 in_body_frame(*floor_, boards_.line_tracker().offset_m()),
+                 motion_.line_lost() || (motion_.following() && boards_.line_tracker().line_lost()),
                  in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
                 scan, power_.readings(), effects);
 }

@@ -44,6 +44,7 @@ class VehicleBoards {
   [[nodiscard]] std::optional<wire::Drive> drive(SimTime now, double distance_m) {
     return pils_.drive(now, distance_m);
   }
+  [[nodiscard]] LineTracker& line_tracker() { return pils_.line_tracker(); }
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
   void select_rear_sensor(bool at_rear) { dobs_.select_rear(at_rear); }
   /// Lets the boards send what is due, often nothing. @param scan exact ranges, used only when wants_scan(now)

@@ -6,49 +6,36 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
+#include "cosiva/physical/plant/marking.h"
 #include "cosiva/zone/circuit/path_snap.h"
 
 namespace cosiva::physical {
-namespace {
-
-/// Moves `value` towards `target` by at most `step`.
-double towards(double value, double target, double step) { return value + std::clamp(target - value, -step, step); }
-
-/// Of the line's heading, as the line sensors detect it.
-double detection_error_rad(double line_offset_sd_m, Random& random) {
-  constexpr double sensors_ahead_m = 0.1;
-  return line_offset_sd_m > 0.0 ? random.gaussian(0.0, line_offset_sd_m / sensors_ahead_m) : 0.0;
-}
-
-}  // namespace
 
 LineVehicle::LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m,
                          Random line_noise)
-    : circuit_{&circuit}, line_offset_sd_m_{line_offset_sd_m}, line_random_{line_noise}, position_{start} {
-  line_noise_m_ = line_random_.gaussian(0.0, line_offset_sd_m_);
+    : circuit_{&circuit}, parts_{Dems{line_offset_sd_m, line_noise}, Pmot{DriveTrain{}}}, position_{start} {
   put_body(0.0, 1.0);
   record_section();
+  read_line(0.0);
 }
 
-void LineVehicle::step(const DriveCommand* command, double dt_s) {
+void LineVehicle::step(const DriveCommand* command, LineTracker& pils, double dt_s) {
   COSIVA_EXPECT(dt_s > 0.0 && dt_s <= 0.0201);
-  if (dt_s != lag_dt_s_) {
-    lag_dt_s_ = dt_s;
-    motor_blend_ = 1.0 - det_exp(-dt_s / train_.motor_lag_s);
-    turn_blend_ = 1.0 - det_exp(-dt_s / train_.turn_lag_s);
-  }
   if (command != nullptr) branch_ = command->branch;
   goes_on_ = command != nullptr && command->speed_mps > 0.0;
-  if (off_path_) return step_off_path(command, dt_s);
-  change_speed(command, dt_s);
-  if (speed_mps_ == 0.0) {
+  if (off_path_) {
+    pils.restart();
+    return step_off_path(command, dt_s);
+  }
+  parts_.pmot.change_speed(command, dt_s);
+  if (speed_mps() == 0.0) {
     step_distance_m_ = 0.0;
-    turn_rate_radps_ = 0.0;
+    parts_.pmot.end_turn();
     return;
   }
   if (may_end_here_) brake_for_end(dt_s);
-  steer(dt_s);
-  step_distance_m_ = speed_mps_ * dt_s;
+  steer(pils, dt_s);
+  step_distance_m_ = speed_mps() * dt_s;
   const auto [sin_error, cos_error] = sincos(heading_rad_);
   const double kappa = circuit_->section(position_.section).curvature_at(position_.s_m);
   lateral_m_ += step_distance_m_ * sin_error;
@@ -57,56 +44,30 @@ void LineVehicle::step(const DriveCommand* command, double dt_s) {
   if (manoeuvre_) X_MS_ = body_.X_MB;  // the vehicle came to a sharp bend
 }
 
-bool LineVehicle::line_lost() const { return off_path_ ? !lies_on_line_ : std::fabs(lateral_m_) > train_.line_lost_m; }
-
-void LineVehicle::change_speed(const DriveCommand* command, double dt_s) {
-  double target_mps = 0.0;
-  double acceleration_mps2 = train_.own_braking_mps2;
-  double braking_mps2 = train_.own_braking_mps2;
-  if (command != nullptr) {
-    target_mps = std::clamp(command->speed_mps, -train_.speed_mps_max, train_.speed_mps_max);
-    if (command->acceleration_mps2 > 0.0)
-      acceleration_mps2 = std::min(command->acceleration_mps2, train_.acceleration_mps2_max);
-    if (command->braking_mps2 > 0.0) braking_mps2 = std::min(command->braking_mps2, train_.braking_mps2_max);
-  }
-  const bool turns_round = target_mps * speed_reference_mps_ < 0.0;
-  if (turns_round || std::fabs(target_mps) < std::fabs(speed_reference_mps_))
-    speed_reference_mps_ = towards(speed_reference_mps_, turns_round ? 0.0 : target_mps, braking_mps2 * dt_s);
-  else
-    speed_reference_mps_ = towards(speed_reference_mps_, target_mps, acceleration_mps2 * dt_s);
-
-  const double before_mps = std::fabs(speed_mps_);
-  speed_mps_ += (speed_reference_mps_ - speed_mps_) * motor_blend_;
-  // Friction ends the motors' creep.
-  constexpr double creep_mps = 5e-4;
-  if (speed_reference_mps_ == 0.0 && std::fabs(speed_mps_) < creep_mps) speed_mps_ = 0.0;
-  step_acceleration_mps2_ = (std::fabs(speed_mps_) - before_mps) / dt_s;
+bool LineVehicle::line_lost() const {
+  return off_path_ ? !lies_on_line_ : std::fabs(lateral_m_) > parts_.pmot.train().line_lost_m;
 }
 
-void LineVehicle::steer(double dt_s) {
-  // The paint's unevenness passes under the sensors as the body moves: a first-order process in distance.
-  constexpr double correlation_m = 0.05;
-  const double distance_m = std::fabs(speed_mps_) * dt_s;
-  const double keep = correlation_m / (correlation_m + distance_m);
-  if (line_offset_sd_m_ > 0.0)
-    line_noise_m_ = keep * line_noise_m_ + std::sqrt(1.0 - keep * keep) * line_random_.gaussian(0.0, line_offset_sd_m_);
-
-  // Errors decay over 5 cm of distance; at speed the lags allow no more than 12 rad/s.
-  constexpr double per_m_max = 20.0;
-  constexpr double radps_max = 12.0;
-  constexpr double damping = 0.9;
-  const double speed = std::fabs(speed_mps_);
-  const double natural_per_m = std::min(per_m_max, radps_max / speed);
-  const double forwards = speed_mps_ < 0.0 ? -1.0 : 1.0;
+void LineVehicle::steer(LineTracker& pils, double dt_s) {
+  const double speed_mps = std::fabs(this->speed_mps());
+  if (const double since_s = pils.pass(dt_s, this->speed_mps() > 0.0); since_s > 0.0) {
+    read_line(speed_mps * since_s);
+    pils.step(parts_.dems.readings(), speed_mps);
+  }
+  parts_.pmot.turn(speed_mps * pils.curvature_per_m(), dt_s);
   const double kappa = circuit_->section(position_.section).curvature_at(position_.s_m);
-  const double detected_lateral_m = lateral_m_ - line_noise_m_;
-  const double wanted_radps =
-      speed_mps_ * kappa - speed * (forwards * natural_per_m * natural_per_m * detected_lateral_m +
-                                    2.0 * damping * natural_per_m * heading_rad_);
-  turn_rate_radps_ +=
-      (std::clamp(wanted_radps, -train_.turn_rate_radps_max, train_.turn_rate_radps_max) - turn_rate_radps_) *
-      turn_blend_;
-  heading_rad_ += (turn_rate_radps_ - kappa * speed_mps_) * dt_s;
+  heading_rad_ += (parts_.pmot.turn_rate_radps() - kappa * this->speed_mps()) * dt_s;
+}
+
+/// The leading row reads the line; its left is the body's right when the body drives backwards.
+void LineVehicle::read_line(double distance_m) {
+  const double row_m = lateral_m_ + dems_row_m * heading_rad_;
+  if (speed_mps() >= 0.0)
+    return parts_.dems.read(marking_before_m(*circuit_, position_, dems_row_m, branch_) - row_m, distance_m);
+  const double behind_m = lateral_m_ - dems_row_m * heading_rad_;
+  const bool known = came_from_ != zone::no_section && circuit_->turn_at(came_from_, position_.section) == 0.0;
+  parts_.dems.read(behind_m - marking_behind_m(*circuit_, position_, dems_row_m, known ? came_from_ : zone::no_section),
+                   distance_m);
 }
 
 void LineVehicle::move_along(double distance_m) {
@@ -165,13 +126,12 @@ void LineVehicle::brake_for_end(double dt_s) {
   constexpr double creep_mps = 0.02;
   const double left_m = std::max(0.0, circuit_->section(position_.section).length_m() - position_.s_m);
   // v·dt + v²/2b = left.
-  const double b = train_.braking_mps2_max;
+  const double b = parts_.pmot.train().braking_mps2_max;
   const double in_time_mps = std::max(creep_mps, b * (std::sqrt(dt_s * dt_s + 2.0 * left_m / b) - dt_s));
-  if (speed_mps_ <= in_time_mps) return;
+  if (speed_mps() <= in_time_mps) return;
   const aiv::Onward onward = aiv::onward(*circuit_, position_.section, branch_);
   if (onward.section != zone::no_section && onward.turn_rad == 0.0) return;
-  speed_mps_ = in_time_mps;
-  speed_reference_mps_ = std::min(speed_reference_mps_, in_time_mps);
+  parts_.pmot.limit_speed(in_time_mps);
 }
 
 void LineVehicle::stop_at_end(double s_m) {
@@ -179,16 +139,15 @@ void LineVehicle::stop_at_end(double s_m) {
   // counts no distance.
   step_distance_m_ -= position_.s_m - s_m;
   position_.s_m = s_m;
-  speed_mps_ = 0.0;
-  speed_reference_mps_ = 0.0;
+  parts_.pmot.stop();
 }
 
 void LineVehicle::begin_turn(const aiv::Onward& onward) {
-  turn_rate_radps_ = 0.0;
+  parts_.pmot.end_turn();
   off_path_ = true;
   lies_on_line_ = true;
   // The body turns until the sensors detect the line ahead; the detection is as accurate as the line's paint.
-  goal_heading_rad_ = detection_error_rad(line_offset_sd_m_, line_random_);
+  goal_heading_rad_ = parts_.dems.heading_error_rad();
   manoeuvre_.emplace(Pose2{0.0, 0.0, wrap_angle(onward.turn_rad - heading_rad_ + goal_heading_rad_)});
   // The joint stays in place under the body: e to the left of the old path, expressed along the new one.
   const auto [sin, cos] = sincos(onward.turn_rad);
@@ -205,8 +164,8 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
   const Pose2 X_PB = inverse(circuit_->section(goal_.section).pose_at(here.s_m)) * body_.X_MB;
   const bool stays = (command.goal ? aiv::to_stay(*command.goal) : lies_on_line_) && lies_over(X_PB);
   if (stays) goal_.s_m = here.s_m;
-  goal_lateral_m_ = stays ? X_PB.y_m : line_offset_sd_m_ > 0.0 ? line_random_.gaussian(0.0, line_offset_sd_m_) : 0.0;
-  goal_heading_rad_ = detection_error_rad(line_offset_sd_m_, line_random_);
+  goal_lateral_m_ = stays ? X_PB.y_m : parts_.dems.lateral_error_m();
+  goal_heading_rad_ = parts_.dems.heading_error_rad();
   const Pose2 X_MG = circuit_->pose_at(goal_) * Pose2{0.0, goal_lateral_m_, goal_heading_rad_};
   manoeuvre_.emplace(inverse(body_.X_MB) * X_MG);
   X_MS_ = body_.X_MB;
@@ -215,7 +174,7 @@ bool LineVehicle::begin_seek(const DriveCommand& command) {
 
 void LineVehicle::step_off_path(const DriveCommand* command, double dt_s) {
   step_distance_m_ = 0.0;
-  step_acceleration_mps2_ = 0.0;
+  parts_.pmot.rest();
   step_manoeuvre_ = {};
   const double speed_mps = command == nullptr ? 0.0 : command->speed_mps;
   if (!manoeuvre_) {  // on another floor than at its start
@@ -241,41 +200,39 @@ void LineVehicle::end_manoeuvre() {
   record_section();
   const auto [sin, cos] = sincos(heading_rad_);
   put_body(sin, cos);
+  read_line(0.0);
 }
 
 void LineVehicle::set_zone(const zone::Circuit& circuit, bool turns) {
   COSIVA_EXPECT(is_stopped());
   circuit_ = &circuit;
-  if (turns) {
-    body_ = BodyPose::at(turned_round(body_.X_MB));
-    line_noise_m_ = -line_noise_m_;
-  }
+  if (turns) body_ = BodyPose::at(turned_round(body_.X_MB));
   manoeuvre_.reset();
   off_path_ = true;
   came_from_ = zone::no_section;
-  turn_rate_radps_ = 0.0;
+  parts_.pmot.end_turn();
   step_distance_m_ = 0.0;
   step_manoeuvre_ = {};
   // The body may be on a path by chance, as where the old floor and the new have a section in common.
-  const auto entry_point = zone::snap_to_path(circuit, body_.X_MB, train_.line_lost_m);
+  const auto entry_point = zone::snap_to_path(circuit, body_.X_MB, parts_.pmot.train().line_lost_m);
   position_ = entry_point ? entry_point->position : zone::TrackPosition{0, 0.0};
   const Pose2 X_PB = inverse(circuit.pose_at(position_)) * body_.X_MB;
   lateral_m_ = X_PB.y_m;
   heading_rad_ = X_PB.heading_rad;
   lies_on_line_ = entry_point && lies_over(X_PB) && std::fabs(heading_rad_) <= aiv::on_line_rad;
   record_section();
+  lies_on_line_ ? read_line(0.0) : parts_.dems.read_nothing();
 }
 
 void LineVehicle::archive(Archive& archive) {
-  archive(position_, came_from_, speed_mps_, speed_reference_mps_, lateral_m_, heading_rad_, turn_rate_radps_,
-          line_noise_m_, body_, branch_, off_path_, lies_on_line_, manoeuvre_, X_MS_, goal_, goal_lateral_m_,
-          goal_heading_rad_);
+  archive(position_, came_from_, lateral_m_, heading_rad_, parts_.pmot, parts_.dems, body_, branch_, off_path_,
+          lies_on_line_, manoeuvre_, X_MS_, goal_, goal_lateral_m_, goal_heading_rad_);
   if (archive.reads()) record_section();
 }
 
 bool LineVehicle::lies_over(const Pose2& X_PB) const {
   constexpr double beyond_m = 1e-3;  // off the path, and not beyond its end
-  return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= train_.line_lost_m;
+  return std::fabs(X_PB.x_m) <= beyond_m && std::fabs(X_PB.y_m) <= parts_.pmot.train().line_lost_m;
 }
 
 void LineVehicle::put_body(double sin_error, double cos_error) {

@@ -7,37 +7,24 @@
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/random.h"
+#include "cosiva/physical/boards/line_tracker.h"
 #include "cosiva/physical/plant/body.h"
+#include "cosiva/physical/plant/dems.h"
+#include "cosiva/physical/plant/pmot.h"
 #include "cosiva/zone/circuit/circuit.h"
 
 namespace cosiva::physical {
 
-/// The limits of the emulated drive train; the values of a small differential-drive vehicle.
-struct DriveTrain {
-  double speed_mps_max{1.5};
-  double acceleration_mps2_max{3.0};
-  double braking_mps2_max{4.0};
-  double own_braking_mps2{1.0};  ///< without a command, or where the command leaves it open
-  double motor_lag_s{0.05};      ///< first order, from wheel command to wheel speed
-  double turn_lag_s{0.02};       ///< first order, from steering command to turn rate
-  double turn_rate_radps_max{8.0};
-  double line_lost_m{0.015};  ///< half the width that the line sensors cover
-};
-
-/// The command to the motors. All values are non-negative but the speed, which is negative for backing up.
-struct DriveCommand {
-  double speed_mps{};
-  double acceleration_mps2{};  ///< 0: the drive train's own braking, for both
-  double braking_mps2{};
-  std::size_t branch{};  ///< at a fork take the n-th branch; beyond the last: the last; wire::no_branch: stop there
-  bool seek{};           ///< off the path: go to the nearest one
-  std::optional<wire::Manoeuvre> goal{};  ///< or to the one at this position, in the body frame
+/// What PILS joins by BRAC (A16), on the body.
+struct LineParts {
+  Dems dems;
+  Pmot pmot;
 };
 
 /// A differential-drive body that PILS steers along the line. Its ground truth in path coordinates: the projection of
 /// its centre onto the path, the lateral error e (left of the path) and the heading error ψ:
 ///     ṡ = v cos ψ / (1 − κ e),   ė = v sin ψ,   ψ̇ = ω − κ ṡ,
-/// with ω from a proportional-derivative steering on the line sensors' readings, plus the known curvature. Where the
+/// with ω from the line tracking of PILS, which has nothing but the readings of DEMS and the wheels' speed. Where the
 /// next section leaves at an angle the body stops at the joint and turns on the spot. When the floor under it is
 /// replaced (invariant: at standstill) the body stays, off-path until a seek succeeds (docs/protocols/module-link.md).
 class LineVehicle {
@@ -47,7 +34,8 @@ class LineVehicle {
   LineVehicle(const zone::Circuit& circuit, zone::TrackPosition start, double line_offset_sd_m, Random line_noise);
 
   /// One step of at most 20 ms. No command: the motors stop by themselves, and a fork is passed as last commanded.
-  void step(const DriveCommand* command, double dt_s);
+  /// @param pils  steers the body along the line
+  void step(const DriveCommand* command, LineTracker& pils, double dt_s);
 
   /// The floor is this one from now on; the body stays in place, wherever the paths are. Only for a stopped body.
   /// @param circuit  must outlive this
@@ -55,7 +43,7 @@ class LineVehicle {
   ///                 travel, turns round
   void set_zone(const zone::Circuit& circuit, bool turns = false);
   /// Speed exactly 0, and no manoeuvre but an abandoned one.
-  [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps_ == 0.0; }
+  [[nodiscard]] bool is_stopped() const { return manoeuvre_ ? manoeuvre_->abandoned() : speed_mps() == 0.0; }
 
   [[nodiscard]] const BodyPose& body() const { return body_; }
   /// On the path; off-path (following() is false), where the body left the path, or any position of a new floor.
@@ -65,16 +53,15 @@ class LineVehicle {
   /// The present manoeuvre, if any.
   [[nodiscard]] const aiv::Manoeuvre* manoeuvre() const { return manoeuvre_ ? &*manoeuvre_ : nullptr; }
   /// Along the path; 0 in a manoeuvre.
-  [[nodiscard]] double speed_mps() const { return speed_mps_; }
+  [[nodiscard]] double speed_mps() const { return parts_.pmot.speed_mps(); }
   [[nodiscard]] double lateral_error_m() const { return lateral_m_; }
   [[nodiscard]] double heading_error_rad() const { return heading_rad_; }
-  /// The line sensors' reading: the line's offset from the body's centre, left positive, with their noise.
-  [[nodiscard]] double line_offset_m() const { return line_noise_m_ - lateral_m_; }
+  /// The parts, and what a scenario does to them.
+  [[nodiscard]] LineParts& parts() { return parts_; }
+  [[nodiscard]] const LineParts& parts() const { return parts_; }
   [[nodiscard]] bool line_lost() const;
-  /// The distance travelled by the wheels in the last step, forwards positive, and the acceleration of |v| along the
-  /// path (braking < 0).
+  /// The distance travelled by the wheels in the last step, forwards positive.
   [[nodiscard]] double step_distance_m() const { return step_distance_m_; }
-  [[nodiscard]] double step_acceleration_mps2() const { return step_acceleration_mps2_; }
   /// The wheels' motion in the last step of a manoeuvre; not counted above.
   [[nodiscard]] const aiv::Manoeuvre::Step& step_manoeuvre() const { return step_manoeuvre_; }
   /// The motion's state, for a restart of the emulation: to be read on the circuit that it was written on.
@@ -89,8 +76,8 @@ class LineVehicle {
   void end_manoeuvre();
   void record_section();
   void brake_for_end(double dt_s);
-  void change_speed(const DriveCommand* command, double dt_s);
-  void steer(double dt_s);
+  void steer(LineTracker& pils, double dt_s);
+  void read_line(double distance_m);
   void move_along(double distance_m);
   void to_next();
   [[nodiscard]] bool to_previous();
@@ -98,23 +85,13 @@ class LineVehicle {
   void put_body(double sin_error, double cos_error);
 
   const zone::Circuit* circuit_;
-  DriveTrain train_;
-  double line_offset_sd_m_;
-  Random line_random_;
+  LineParts parts_;
 
   zone::TrackPosition position_;
   zone::SectionId came_from_{zone::no_section};  ///< backing up returns there
-  double speed_mps_{0.0};
-  double speed_reference_mps_{0.0};  ///< the ramp that the motors follow with their lag
   double lateral_m_{0.0};
   double heading_rad_{0.0};
-  double turn_rate_radps_{0.0};
-  double line_noise_m_{0.0};
   double step_distance_m_{0.0};
-  double step_acceleration_mps2_{0.0};
-  double lag_dt_s_{0.0};  ///< the step that the two blends below are for
-  double motor_blend_{1.0};
-  double turn_blend_{1.0};
   BodyPose body_;
 
   std::size_t branch_{0};     ///< as last commanded

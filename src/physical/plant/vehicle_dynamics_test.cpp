@@ -9,6 +9,7 @@
 
 #include "cosiva/physical/plant/odometer.h"
 #include "cosiva/physical/plant/test_zones.h"
+#include "cosiva/physical/plant/tracked_vehicle.h"
 
 namespace cosiva::physical {
 namespace {
@@ -24,14 +25,14 @@ zone::Rtm read(zone::ZoneConfiguration configuration) {
   return std::move(*rtm);
 }
 
-LineVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
+TrackedVehicle on(const Circuit& circuit, zone::TrackPosition start = {0, 0.0}, double line_sd_m = 0.0) {
   return {circuit, start, line_sd_m, Random{1, "line"}};
 }
 
-void drive(LineVehicle& vehicle, const DriveCommand& command, double seconds) {
+void drive(TrackedVehicle& vehicle, const DriveCommand& command, double seconds) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / dt_s)); ++i) vehicle.step(&command, dt_s);
 }
-double drift_to_rest(LineVehicle& vehicle) {
+double drift_to_rest(TrackedVehicle& vehicle) {
   double distance_m = 0.0;
   for (int i = 0; i < 1000 && (i == 0 || vehicle.speed_mps() != 0.0); ++i) {
     vehicle.step(nullptr, dt_s);
@@ -49,7 +50,7 @@ Circuit fork() {
 
 TEST(LineVehicle, reaches_the_commanded_speed_with_its_acceleration_and_lag) {
   const auto rtm = read(straight(10.0));
-  LineVehicle vehicle = on(rtm.zone().circuit);
+  TrackedVehicle vehicle = on(rtm.zone().circuit);
   const DriveCommand command{0.5, 0.5, 1.0, 0};
   drive(vehicle, command, 1.0);
   // A first-order lag τ behind a ramp a·t lags by a·τ = 25 mm/s.
@@ -62,7 +63,7 @@ TEST(LineVehicle, reaches_the_commanded_speed_with_its_acceleration_and_lag) {
 
 TEST(LineVehicle, stops_within_what_its_braking_and_lag_need) {
   const auto rtm = read(straight(10.0));
-  LineVehicle vehicle = on(rtm.zone().circuit);
+  TrackedVehicle vehicle = on(rtm.zone().circuit);
   drive(vehicle, {0.6, 1.0, 1.0, 0}, 2.0);
   const double distance_m = drift_to_rest(vehicle);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
@@ -71,7 +72,7 @@ TEST(LineVehicle, stops_within_what_its_braking_and_lag_need) {
 
 TEST(LineVehicle, takes_its_own_braking_where_the_command_leaves_it_open) {
   const auto rtm = read(straight(10.0));
-  LineVehicle vehicle = on(rtm.zone().circuit);
+  TrackedVehicle vehicle = on(rtm.zone().circuit);
   drive(vehicle, {0.6, 0.0, 0.0, 0}, 1.2);
   EXPECT_NEAR(vehicle.speed_mps(), 0.6, 1e-3);
   drive(vehicle, {0.0, 0.0, 0.0, 0}, 1.2);
@@ -82,7 +83,7 @@ TEST(LineVehicle, backs_up_over_a_joint_and_returns) {
   const auto rtm = read(lacet4());
   const Circuit& circuit = rtm.zone().circuit;
   const zone::SectionId loop = circuit.find("loop_se").value();
-  LineVehicle vehicle = on(circuit, {loop, 0.2});
+  TrackedVehicle vehicle = on(circuit, {loop, 0.2});
   drive(vehicle, {-0.3, 1.0, 1.0, 0}, 2.0);
   EXPECT_EQ(circuit.part(vehicle.track_position().section).name, "east");
   EXPECT_LT(std::fabs(vehicle.lateral_error_m()), 0.002);
@@ -94,7 +95,7 @@ TEST(LineVehicle, backs_up_over_a_joint_and_returns) {
 
 TEST(LineVehicle, turns_round_through_standstill) {
   const auto rtm = read(straight(10.0));
-  LineVehicle vehicle = on(rtm.zone().circuit, {0, 5.0});
+  TrackedVehicle vehicle = on(rtm.zone().circuit, {0, 5.0});
   drive(vehicle, {0.5, 1.0, 1.0, 0}, 1.0);
   const DriveCommand back{-0.5, 1.0, 1.0, 0};
   double fastest_change = 0.0;
@@ -110,7 +111,7 @@ TEST(LineVehicle, turns_round_through_standstill) {
 TEST(LineVehicle, stays_on_the_path_over_a_lap_at_full_speed) {
   const auto rtm = read(lacet4());
   const Circuit& circuit = rtm.zone().circuit;
-  LineVehicle vehicle = on(circuit, {0, 0.3}, 0.0005);
+  TrackedVehicle vehicle = on(circuit, {0, 0.3}, 0.0005);
   const DriveCommand fast{0.6, 0.8, 1.0, 0};
   double worst_m = 0.0;
   double travelled_m = 0.0;
@@ -130,7 +131,7 @@ TEST(LineVehicle, stays_on_the_path_over_a_lap_at_full_speed) {
 
 TEST(LineVehicle, stays_on_the_path_backwards_too) {
   const auto rtm = read(lacet4());
-  LineVehicle vehicle = on(rtm.zone().circuit, {0, 0.3}, 0.0005);
+  TrackedVehicle vehicle = on(rtm.zone().circuit, {0, 0.3}, 0.0005);
   const DriveCommand back{-0.4, 0.8, 1.0, 0};
   for (int i = 0; i < 5000; ++i) {
     vehicle.step(&back, dt_s);
@@ -141,7 +142,7 @@ TEST(LineVehicle, stays_on_the_path_backwards_too) {
 TEST(LineVehicle, takes_the_commanded_branch) {
   const Circuit circuit = fork();
   for (const auto& [branch, name] : {std::pair{0U, "left"}, {1U, "right"}, {7U, "right"}}) {
-    LineVehicle vehicle = on(circuit);
+    TrackedVehicle vehicle = on(circuit);
     drive(vehicle, {0.5, 1.0, 1.0, branch}, 3.0);
     EXPECT_EQ(circuit.part(vehicle.track_position().section).name, name);
   }
@@ -149,7 +150,7 @@ TEST(LineVehicle, takes_the_commanded_branch) {
 
 TEST(LineVehicle, stops_at_a_dead_end_in_either_direction) {
   const Circuit circuit = fork();
-  LineVehicle vehicle = on(circuit);
+  TrackedVehicle vehicle = on(circuit);
   drive(vehicle, {0.5, 1.0, 1.0, 0}, 10.0);
   EXPECT_EQ(vehicle.speed_mps(), 0.0);
   EXPECT_DOUBLE_EQ(vehicle.track_position().s_m, 1.0);
@@ -168,7 +169,7 @@ TEST(LineVehicle, keeps_to_the_path_at_any_speed_and_curvature_a_vehicle_can_dri
     const auto after = *Section::make(bend.end(), 3.0);
     const auto circuit =
         *Circuit::make("bend", {{"in", line, {}, {1}}, {"bend", bend, {}, {2}}, {"out", after, {}, {}}});
-    LineVehicle vehicle = on(circuit);
+    TrackedVehicle vehicle = on(circuit);
     const DriveCommand command{speed, 1.0, 1.0, 0};
     double worst_m = 0.0;
     for (int i = 0; i < 3000; ++i) {
