@@ -57,7 +57,7 @@ TEST(BatteryFleet, writes_report_result_and_curves_and_repeats_them_exactly) {
   const std::string html = *adapters::read_file(out + "/report.html");
   EXPECT_THAT(html, HasSubstr("Statement"));
   EXPECT_THAT(html, HasSubstr("Kaplan and Meier"));
-  EXPECT_THAT(html, HasSubstr("cosiva battery fleet --zone lacet4"));
+  EXPECT_THAT(html, HasSubstr("cosiva battery fleet --zone oval"));
   EXPECT_EQ(*adapters::read_file(out + "/result.json"), output.data.substr(0, output.data.find('\n')));
   EXPECT_THAT(*adapters::read_file(out + "/curves.csv"), StartsWith("battery_id,run,vehicle,test_time_second"));
   EXPECT_EQ(run(scratch / "again").data, output.data);

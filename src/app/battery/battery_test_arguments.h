@@ -12,7 +12,7 @@ namespace cosiva::app {
 
 /// The options of `cosiva battery sampled` and `fleet`.
 struct BatteryTestArguments {
-  std::string zone{"lacet4"};
+  std::string zone;  ///< empty: lacet4 of a sampled test, and oval, which has no crossings, of a fleet's
   std::uint32_t aivs{4};
   std::string type{"lipo850"};  ///< name of a shipped type, or a file
   std::uint32_t series{0};      ///< 0: as in the type; for the carts' usual type, as in the carts

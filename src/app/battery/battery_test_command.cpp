@@ -283,7 +283,22 @@ int run_test(const BatteryTestArguments& arguments, const std::string& command, 
 
 }  // namespace
 
-int run_battery_sampled(const BatteryTestArguments& arguments) { return run_test(arguments, "sampled", 1); }
-int run_battery_fleet(const BatteryTestArguments& arguments) { return run_test(arguments, "fleet", arguments.aivs); }
+namespace {
+
+BatteryTestArguments on_zone(const std::string& usual, BatteryTestArguments arguments) {
+  if (arguments.zone.empty()) arguments.zone = usual;
+  return arguments;
+}
+
+}  // namespace
+
+int run_battery_sampled(const BatteryTestArguments& arguments) {
+  return run_test(on_zone("lacet4", arguments), "sampled", 1);
+}
+
+// A38: one circuit, one direction, and vehicles that never cross.
+int run_battery_fleet(const BatteryTestArguments& arguments) {
+  return run_test(on_zone("oval", arguments), "fleet", arguments.aivs);
+}
 
 }  // namespace cosiva::app

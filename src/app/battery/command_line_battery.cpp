@@ -130,9 +130,12 @@ void add_live_options(Command command, BatteryTestArguments& test) {
 }
 
 void add_test_options(Command command, BatteryTestArguments& test) {
-  command.add_option("--zone", test.zone, "traffic zone: a ready one's name or a file")
-      .value_name("NAME|FILE")
-      .show_default();
+  command
+      .add_option(
+          "--zone", test.zone,
+          "traffic zone: a ready one's name or a file; without: lacet4, and oval for a fleet, as vehicles that wait "
+          "for each other at crossings discharge less")
+      .value_name("NAME|FILE");
   command.add_option("--type", test.type, "battery type: a shipped one's name (leaf33, lipo850) or a file")
       .value_name("NAME|FILE")
       .show_default();
