@@ -26,6 +26,7 @@ ActionExecutor::Handler ActionExecutor::handler_of(std::string_view action_type)
       Entry{action::download_map, &ActionExecutor::enable_map},
       Entry{action::join_line, &ActionExecutor::join_line},
       Entry{action::back_up, &ActionExecutor::back_up},
+      Entry{action::self_test, &ActionExecutor::self_test},
       Entry{action::factsheet_request, &ActionExecutor::request_factsheet},
   };
   const auto entry = std::ranges::find(entries, action_type, &Entry::type);
@@ -140,6 +141,14 @@ void ActionExecutor::back_up(const Call& call) {
   run(call.action);
 }
 
+void ActionExecutor::self_test(const Call& call) {
+  // A test pulse of a motor, or of a reader's field, is no reading to drive by.
+  if (!call.context.vehicle().motion().stopped()) return fail(call, "the vehicle drives; stop it before a self-test");
+  book_.end_running(action::self_test, wire::ActionStatus::failed, "overtaken by another selfTest");
+  run(call.action);
+  parts_.boards.request_self_test(call.now, call.effects);
+}
+
 void ActionExecutor::init_position(const Call& call) {
   const auto map_id = call.action.text("mapId");
   const auto X_MB = pose_of(call);
@@ -207,6 +216,13 @@ void ActionExecutor::end_waits(const VehicleState& vehicle) {
   if (!vehicle.back_up().active())
     end_wait(action::back_up, vehicle.back_up().completed(), "ended before the commanded distance");
   if (!vehicle.progress().cancelling()) end_wait(action::cancel_order, true);
+  if (book_.running(action::self_test) && !parts_.boards.self_tests().open()) {
+    const bool passed = parts_.boards.self_tests().passed();
+    book_.end_running(action::self_test, passed ? wire::ActionStatus::finished : wire::ActionStatus::failed,
+                      parts_.boards.self_tests().text());
+    parts_.reporter.request_report();
+  }
+  COSIVA_EXPECT(parts_.boards.self_tests().open() || !book_.running(action::self_test));
   COSIVA_EXPECT(vehicle.progress().cancelling() || !book_.running(action::cancel_order));
   COSIVA_EXPECT(vehicle.joining() || !book_.running(action::join_line));
   COSIVA_EXPECT(vehicle.back_up().active() || !book_.running(action::back_up));

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/aiv/onboard/boards_link.h"
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/position_store.h"
@@ -24,8 +25,8 @@ namespace cosiva::aiv {
 /// A stopPause that was sent before the last startPause is refused: the network has delayed it, and a Stop outranks it.
 /// Senders' clocks may step back; so one that is older by more than `delay_max` is performed.
 ///
-/// Invariant: after end_waits() cancelOrder, joinLine and backUp run only while the agent still performs them. At most
-/// InstantActionBook::shown_max actions wait for a zone.
+/// Invariant: after end_waits() cancelOrder, joinLine, backUp and selfTest run only while they are still performed. At
+/// most InstantActionBook::shown_max actions wait for a zone.
 class ActionExecutor {
  public:
   static constexpr SimDuration delay_max{std::chrono::seconds{10}};
@@ -37,6 +38,7 @@ class ActionExecutor {
     DriveCycle& drive_cycle;
     const ZoneSelection& zones;
     const ServerSelection& server;
+    BoardsLink& boards;
   };
   explicit ActionExecutor(const Parts& parts) : parts_{parts} {}
 
@@ -84,6 +86,7 @@ class ActionExecutor {
   void enable_map(const Call& call);
   void join_line(const Call& call);
   void back_up(const Call& call);
+  void self_test(const Call& call);
   void request_factsheet(const Call& call);
   /// Parameters x, y and theta; fails the action where they are not numbers.
   [[nodiscard]] std::optional<Pose2> pose_of(const Call& call);

@@ -12,13 +12,15 @@ constexpr SimDuration heartbeat_period = std::chrono::milliseconds{100};
 
 }  // namespace
 
-BoardsLink::BoardsLink(std::uint32_t vehicle_number, bool as_values) : heartbeat_timer_{heartbeat_period} {
+BoardsLink::BoardsLink(std::uint32_t vehicle_number, bool as_values, bool rali)
+    : boards_(wire::all_boards.begin(), wire::all_boards.end()), heartbeat_timer_{heartbeat_period} {
+  if (!rali) std::erase(boards_, wire::Board::RALI);
   if (as_values) batch_.emplace(vehicle_number);
   for (const wire::Board board : wire::all_boards) link(board).port = wire::port_name(vehicle_number, board);
 }
 
 std::optional<wire::Board> BoardsLink::board_of(std::string_view port) const {
-  for (const wire::Board board : wire::all_boards) {
+  for (const wire::Board board : boards_) {
     if (link(board).port == port) return board;
   }
   return std::nullopt;
@@ -26,7 +28,7 @@ std::optional<wire::Board> BoardsLink::board_of(std::string_view port) const {
 
 std::vector<std::string> BoardsLink::ports() const {
   std::vector<std::string> names;
-  for (const Link& link : links_) names.push_back(link.port);
+  for (const wire::Board board : boards_) names.push_back(link(board).port);
   return names;
 }
 
@@ -59,7 +61,13 @@ void BoardsLink::on_frames(std::span<const wire::BoardFrames::Frame> frames) {
 }
 
 void BoardsLink::take(Link& of, const wire::BoardMessage& message) {
-  if (const auto* hello = std::get_if<wire::Hello>(&message)) of.health.hello = *hello;
+  if (const auto* hello = std::get_if<wire::Hello>(&message)) {
+    if (of.health.hello && of.health.hello->session != hello->session) restarted_ = hello->board;
+    of.health.hello = *hello;
+  }
+  if (const auto* pils = std::get_if<wire::PilsParts>(&message)) pils_ = *pils;
+  if (const auto* result = std::get_if<wire::SelfTestResult>(&message))
+    self_tests_.on_result(wire::all_boards[static_cast<std::size_t>(&of - links_.data())], *result);
   if (const auto* power = std::get_if<wire::Power>(&message)) power_ = *power;
   if (const auto* ranges = std::get_if<wire::Ranges>(&message)) {
     ranges_ = *ranges;
@@ -71,6 +79,11 @@ void BoardsLink::take(Link& of, const wire::BoardMessage& message) {
     of.health.frames_bad = heartbeat->frames_bad;
     of.health.frames_missed = heartbeat->frames_missed;
   }
+}
+
+void BoardsLink::request_self_test(SimTime now, wire::Effects& effects) {
+  const wire::SelfTestRequest request = self_tests_.begin(now, boards_);
+  for (const wire::Board board : boards_) send(board, request, effects);
 }
 
 BoardsLink::Frames BoardsLink::frames(wire::Board board) const {
@@ -97,6 +110,7 @@ bool BoardsLink::take_new_ranges() {
 }
 
 void BoardsLink::on_tick(SimTime now, wire::Effects& effects) {
+  self_tests_.on_tick(now);
   if (!heartbeat_timer_.take(now)) return;
   const auto uptime_ms = static_cast<std::uint32_t>(uptime(now) / std::chrono::milliseconds{1});
   for (const wire::Board board : wire::all_boards) {
@@ -109,7 +123,7 @@ void BoardsLink::on_tick(SimTime now, wire::Effects& effects) {
 }
 
 void BoardsLink::archive(Archive& archive) {
-  archive(links_, received_, started_, heartbeat_timer_, power_, ranges_, new_ranges_);
+  archive(links_, received_, started_, heartbeat_timer_, power_, ranges_, new_ranges_, pils_, restarted_, self_tests_);
 }
 
 }  // namespace cosiva::aiv

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cosiva/aiv/onboard/periodic.h"
@@ -15,6 +16,7 @@
 #include "cosiva/wire/in_process/frame_batch.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/module_link/module_link.h"
+#include "cosiva/wire/module_link/self_tests.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -26,7 +28,8 @@ namespace cosiva::aiv {
 class BoardsLink {
  public:
   /// @param as_values  frames are passed on as values (wire/in_process/board_frames.h); they leave at flush()
-  explicit BoardsLink(std::uint32_t vehicle_number, bool as_values = false);
+  /// @param rali       the vehicle has this board
+  explicit BoardsLink(std::uint32_t vehicle_number, bool as_values = false, bool rali = true);
 
   [[nodiscard]] std::optional<wire::Board> board_of(std::string_view port) const;
   [[nodiscard]] std::vector<std::string> ports() const;
@@ -44,6 +47,14 @@ class BoardsLink {
   [[nodiscard]] SimDuration uptime(SimTime now) const { return now - started_; }
   [[nodiscard]] const std::optional<wire::Power>& power() const { return power_; }
   [[nodiscard]] const std::optional<wire::Ranges>& ranges() const { return ranges_; }
+  [[nodiscard]] const std::optional<wire::PilsParts>& pils() const { return pils_; }
+  /// Once: a board that has another session than before although its port stayed open, so its supply had failed.
+  [[nodiscard]] std::optional<wire::Board> take_restarted() { return std::exchange(restarted_, std::nullopt); }
+
+  /// Requests a self-test of each board that the vehicle has. Only at standstill.
+  void request_self_test(SimTime now, wire::Effects& effects);
+  [[nodiscard]] const wire::module_link::SelfTests& self_tests() const { return self_tests_; }
+
   /// True once after new ranges have come.
   [[nodiscard]] bool take_new_ranges();
 
@@ -83,6 +94,7 @@ class BoardsLink {
   [[nodiscard]] const Link& link(wire::Board board) const { return links_[index(board)]; }
   [[nodiscard]] static std::size_t index(wire::Board board) { return static_cast<std::size_t>(board) - 1; }
 
+  std::vector<wire::Board> boards_;  ///< that the vehicle has
   std::array<Link, wire::all_boards.size()> links_;
   std::vector<wire::BoardMessage> received_;
   std::optional<wire::FrameBatch> batch_;  ///< where frames are passed on as values
@@ -90,6 +102,9 @@ class BoardsLink {
   Periodic heartbeat_timer_;
   std::optional<wire::Power> power_;
   std::optional<wire::Ranges> ranges_;
+  std::optional<wire::PilsParts> pils_;
+  std::optional<wire::Board> restarted_;
+  wire::module_link::SelfTests self_tests_;
   bool new_ranges_{false};
 };
 

@@ -56,14 +56,14 @@ void subscribe(const V2xParticipant& v2x, const ServerSelection& server, wire::E
 struct OnboardCore::Parts {
   explicit Parts(OnboardOptions o)
       : options{std::move(o)},
-        boards{options.number, options.as_values},
-        supervision{options.link_timeout},
+        boards{options.number, options.as_values, options.rali},
+        supervision{options.link_timeout, options.rali},
         session{options.id, options.interface_name, options.as_values},
         reporter{options},
         positions{options},
         v2x{options.id, options.v2x},
         drive_cycle{supervision, perception, v2x, boards, session},
-        actions{{session, reporter, positions, drive_cycle, zones, server}},
+        actions{{session, reporter, positions, drive_cycle, zones, server, boards}},
         orders{{session, reporter, actions, drive_cycle, zones}, options.cycle} {}
 
   void archive(Archive& archive);
@@ -174,6 +174,7 @@ void OnboardCore::Parts::on_board_messages(SimTime now, wire::Board board, const
         },
         std::invoke(message_of, each));
   }
+  if (const auto restarted = boards.take_restarted()) reporter.report_restart(*restarted, effects);
   if (boards.take_new_ranges()) publish_detection(now, effects);
   estimation.publish(session, effects);
 }
@@ -376,7 +377,7 @@ void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) 
 }
 
 bool OnboardCore::Parts::starting_up(SimTime now) const {
-  return boards.uptime(now) < starting_up_max && (supervision.any_board_lost(now) || !boards.power());
+  return boards.uptime(now) < starting_up_max && (supervision.any_board_lost(now) || (options.rali && !boards.power()));
 }
 
 ReportSources OnboardCore::Parts::sources(SimTime now) const {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/aiv/onboard/onboard_core.h"
@@ -40,6 +41,7 @@ class OnboardFixture {
     bool boards_up{true};
     bool broker_up{true};
     bool v2x{true};
+    bool rali{true};
   };
 
   OnboardFixture() : OnboardFixture(Setup{}) {}
@@ -49,12 +51,14 @@ class OnboardFixture {
     if (setup.zone_notified) options.zone = setup.zone ? *setup.zone : lacet4_configuration();
     options.start = setup.start;
     options.v2x = setup.v2x;
+    options.rali = setup.rali;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
     if (!setup.persisted.empty()) feed(wire::InputKind::restore, "state", setup.persisted);
     if (setup.broker_up) link(true);
     if (setup.boards_up) {
-      for (const wire::Board board : wire::all_boards) plug(board);
+      for (const wire::Board board : wire::all_boards)
+        if (setup.rali || board != wire::Board::RALI) plug(board);
     }
   }
 
@@ -109,6 +113,8 @@ class OnboardFixture {
       for (; !echoes_.empty() && echoes_.front() <= now; echoes_.pop_front())
         receive(wire::own_topic(wire::link_check_topic_prefix, {"CoSiVA", "AIV1"}), "{}");
     }
+    for (const auto& [board, number] : std::exchange(requested_tests, {}))
+      if (alive.contains(board)) send_from_board(board, wire::SelfTestResult{number, findings[board]});
     if (every(10)) {
       for (const wire::Board board : alive) send_from_board(board, wire::Heartbeat{0, 0, 0, self_test[board]});
     }
@@ -177,6 +183,8 @@ class OnboardFixture {
   std::uint16_t charge{900};
   std::set<wire::Board> alive;
   std::map<wire::Board, std::uint8_t> self_test;
+  std::map<wire::Board, std::uint8_t> requested_tests;  ///< performed in the next step
+  std::map<wire::Board, std::vector<wire::PartFinding>> findings;
   std::vector<Point2> obstacles;
 
   std::vector<wire::Publish> published;
@@ -263,6 +271,10 @@ class OnboardFixture {
       }
       if (const auto* display = std::get_if<wire::Display>(&message)) displayed.push_back(display->text);
       if (std::holds_alternative<wire::Hello>(message)) ++requests;
+      const auto* test = std::get_if<wire::SelfTestRequest>(&message);
+      if (test == nullptr) continue;
+      for (const wire::Board board : wire::all_boards)
+        if (send.port == wire::port_name(1, board)) requested_tests[board] = test->number;
     }
   }
 

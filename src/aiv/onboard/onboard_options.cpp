@@ -42,7 +42,8 @@ std::string to_json(const OnboardOptions& options) {
     json.field("s_m", options.start->s_m).end_object();
   }
   write_json(json.key("rules"), options.rules);
-  json.field("v2x", options.v2x)
+  json.field("rali", options.rali)
+      .field("v2x", options.v2x)
       .field("cycle_ms", to_milliseconds_by_seconds(options.cycle))
       .field("visualization_period_ms", to_milliseconds_by_seconds(options.visualization_period))
       .field("state_period_ms", to_milliseconds_by_seconds(options.state_period))
@@ -83,6 +84,7 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
     if (!read) return tl::unexpected(read.error());
     options.rules = std::move(*read);
   }
+  options.rali = value->flag("rali").value_or(true);
   // Without the field: a journal from before V2X.
   options.v2x = value->flag("v2x").value_or(false);
   for (auto read : {read_ms(*value, "cycle_ms", options.cycle),

@@ -30,6 +30,7 @@ struct OnboardOptions {
   };
   std::optional<Start> start;
   SpeedRules rules;  ///< for the choice of the speed; custom ones can be used (checked)
+  bool rali{true};   ///< the vehicle has this board; without it the charge is unknown
   bool v2x{true};    ///< the vehicle publishes its intents to vehicles nearby, and uses theirs
   SimDuration cycle{std::chrono::milliseconds{20}};  ///< interval between decisions; when it is long, a new order is
                                                      ///< decided on at once

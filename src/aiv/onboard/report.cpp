@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/wire/messages/charge.h"
+
 namespace cosiva::aiv {
 namespace {
 
@@ -43,7 +45,7 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
     if (from.supervision.board_lost(from.now, board)) {
       errors.push_back(condition("boardLost", name + " does not respond", {{"board", name}}));
     } else if (const auto code = from.boards.health(board).self_test; code != 0) {
-      errors.push_back(condition("boardFaulty", name + " reports fault " + std::to_string(code), {{"board", name}}));
+      errors.push_back(condition("boardFaulty", name + " reports " + wire::fault_text(code), {{"board", name}}));
     }
   }
   if (!from.zone_refused.empty()) errors.push_back(condition("zoneError", from.zone_refused));
@@ -66,8 +68,9 @@ void add_conditions(const ReportSources& from, std::vector<wire::VehicleError>& 
   if (from.agent->charge() < battery_low) errors.push_back(condition("batteryLowError", "less than 10 % charge"));
 }
 
-/// "ok", "lost" or "faulty".
+/// "ok", "lost", "faulty" or "absent".
 const char* health_of(const ReportSources& from, wire::Board board) {
+  if (!from.supervision.has(board)) return "absent";
   if (from.supervision.board_lost(from.now, board)) return "lost";
   return from.boards.health(board).self_test != 0 ? "faulty" : "ok";
 }
@@ -129,6 +132,8 @@ wire::State compose_state(const ReportSources& from) {
   if (from.power) {
     state.battery.charge_percent = percent_of(*from.power);
     state.battery.voltage_v = 0.001 * from.power->voltage_mv;
+  } else if (!from.supervision.has(wire::Board::RALI)) {
+    wire::set_charge_unknown(state);
   }
   state.errors = from.warnings.all();
   add_conditions(from, state.errors);
@@ -143,10 +148,12 @@ wire::BoardsReport compose_boards_report(const ReportSources& from, const std::o
     const BoardsLink::Health& health = from.boards.health(board);
     const BoardsLink::Frames frames = from.boards.frames(board);
     report.boards.push_back({board, health_of(from, board), health.hello ? health.hello->firmware_hash : 0,
-                             health.uptime_ms, frames.good, frames.bad, frames.missed, health.self_test});
+                             health.uptime_ms, frames.good, frames.bad, frames.missed, health.self_test,
+                             from.boards.self_tests().parts(board).value_or(std::vector<wire::PartFinding>{})});
   }
   report.power = from.power;
   report.ranges = ranges;
+  report.pils = from.boards.pils();
   return report;
 }
 

@@ -172,6 +172,7 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
               {text("profile"), number("maxSpeed")}),
       instant(action::enable_map, "reports whether this map is in force; maps arrive by themselves",
               {text("mapId"), text("mapVersion")}),
+      instant(action::self_test, "tests every board and its parts; only at standstill"),
       instant(action::join_line, "joins the path at a pose that lies along it; for an off-path vehicle",
               {number("x"), number("y"), number("theta")}),
       instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",

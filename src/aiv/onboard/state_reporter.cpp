@@ -30,6 +30,13 @@ void StateReporter::refuse(std::string type, std::string_view topic, std::string
   request_report();
 }
 
+void StateReporter::report_restart(wire::Board board, wire::Effects& effects) {
+  if (board == wire::Board::PRAV) displayed_.clear();
+  const std::string name{to_string(board)};
+  refuse("boardRestarted", "boards", name + " started anew; its supply had failed, or it was switched off",
+         {{"board", name}}, effects);
+}
+
 void StateReporter::compare_flags(const ReportFlags& flags) {
   if (flags != flags_) request_report();
   flags_ = flags;
@@ -55,7 +62,10 @@ void StateReporter::publish_visualization(SimTime now, const DrivingContext& con
 
 void StateReporter::publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
                                           Session& session, wire::Effects& effects) {
-  if (boards_timer_.take(sources.now)) session.publish(sources.now, compose_boards_report(sources, ranges), effects);
+  if (!boards_timer_.take(sources.now)) return;
+  wire::BoardsReport report = compose_boards_report(sources, ranges);
+  report.affi = displayed_;
+  session.publish(sources.now, std::move(report), effects);
 }
 
 void StateReporter::publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session,

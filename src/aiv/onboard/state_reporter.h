@@ -52,6 +52,8 @@ class StateReporter {
                              wire::Effects& effects);
   void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
   void update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects);
+  /// A board has started anew; the display of PRAV is empty then.
+  void report_restart(wire::Board board, wire::Effects& effects);
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:

@@ -5,7 +5,9 @@
 
 namespace cosiva::aiv {
 
-Supervision::Supervision(SimDuration timeout) : timeout_{timeout} { COSIVA_EXPECT(timeout > SimDuration::zero()); }
+Supervision::Supervision(SimDuration timeout, bool rali) : timeout_{timeout}, rali_fitted_{rali} {
+  COSIVA_EXPECT(timeout > SimDuration::zero());
+}
 
 void Supervision::on_server_heartbeat(SimTime now) {
   server_heartbeat_at_ = now;

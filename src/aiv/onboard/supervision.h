@@ -11,8 +11,8 @@
 
 namespace cosiva::aiv {
 
-/// The partners that the vehicle needs in order to drive (the vehicle's promise 3): its broker, its four boards, and
-/// its server from the first heartbeat on. Only messages prove that a partner is alive: a frozen process keeps its
+/// The partners that the vehicle needs in order to drive (the vehicle's promise 3): its broker, the boards that it has,
+/// and its server from the first heartbeat on. Only messages prove that a partner is alive: a frozen process keeps its
 /// connection open.
 ///
 /// The server counts until it has left and the vehicle has stopped without an order (release_server()): no message by
@@ -23,7 +23,8 @@ namespace cosiva::aiv {
 class Supervision {
  public:
   /// @param timeout  a partner that has sent nothing for longer than this is lost; positive (checked)
-  explicit Supervision(SimDuration timeout);
+  /// @param rali     the vehicle has this board
+  explicit Supervision(SimDuration timeout, bool rali = true);
 
   /// Any message that arrives from the broker, or the broker's acceptance of the connection.
   void on_broker_message(SimTime now) { broker_message_at_ = now; }
@@ -53,12 +54,13 @@ class Supervision {
   [[nodiscard]] bool server_lost(SimTime now) const {
     return server_heartbeat_at_ && now - *server_heartbeat_at_ > timeout_;
   }
+  [[nodiscard]] bool has(wire::Board board) const { return board != wire::Board::RALI || rali_fitted_; }
   [[nodiscard]] bool board_lost(SimTime now, wire::Board board) const {
-    return is_lost(now, board_message_at_[index(board)]);
+    return has(board) && is_lost(now, board_message_at_[index(board)]);
   }
   [[nodiscard]] bool any_board_lost(SimTime now) const {
-    for (const auto& received : board_message_at_)
-      if (is_lost(now, received)) return true;
+    for (const wire::Board board : wire::all_boards)
+      if (board_lost(now, board)) return true;
     return false;
   }
   void archive(Archive& archive);  ///< the state, for a snapshot
@@ -71,6 +73,7 @@ class Supervision {
   }
 
   SimDuration timeout_;
+  bool rali_fitted_;
   std::optional<SimTime> broker_message_at_;
   LinkCheckTimer link_check_timer_;
   std::optional<SimTime> server_heartbeat_at_;  ///< or when it was first expected; nothing: no server is supervised

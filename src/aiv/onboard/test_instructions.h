@@ -26,7 +26,7 @@ struct InstructionTest : ::testing::Test {
   ZoneSelection zones;
   ServerSelection server;
   DriveCycle drive_cycle{supervision, perception, v2x, boards, session};
-  ActionExecutor actions{{session, reporter, positions, drive_cycle, zones, server}};
+  ActionExecutor actions{{session, reporter, positions, drive_cycle, zones, server, boards}};
   DrivingContext context{lacet4(), {}};
   wire::Effects effects;
 

@@ -42,6 +42,7 @@ int run_aiv(const AivArguments& arguments) {
   if (!rules) return report_error(rules.error());
   options.rules = std::move(*rules);
   options.v2x = arguments.v2x;
+  options.rali = arguments.rali;
   if (!arguments.start.empty()) {
     auto start = parse_start(arguments.start);
     if (!start) return report_error(start.error());

@@ -19,6 +19,7 @@ struct AivArguments {
   bool emulated{false};        ///< its radio is the emulated world's
   std::string rules{"crisp"};  ///< crisp, fuzzy or a file
   bool v2x{true};
+  bool rali{true};  ///< the vehicle has this board
 };
 
 /// `cosiva aiv`: the on-board program of one AIV alone. Gives the exit status: 0 done, 1 the run's own checks failed, 2

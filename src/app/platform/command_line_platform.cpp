@@ -10,6 +10,17 @@
 namespace cosiva::app {
 namespace {
 
+void add_equipment(Command command, std::vector<std::string>& line_tracking, std::vector<std::string>& without_rali) {
+  command
+      .add_option("--line-tracking", line_tracking,
+                  "algorithm of PILS, of all AIVs or of one: centroid_pd (usual), path_observer or threshold")
+      .value_name("[N=]NAME")
+      .one_value_each();
+  command.add_option("--without-rali", without_rali, "these AIVs have no RALI: their charge is unknown")
+      .value_name("N|all")
+      .one_value_each();
+}
+
 Option add_seconds(Command command, const std::string& name, std::optional<double>& seconds, const std::string& what) {
   return command.add_option(name, seconds, what).value_name("S").in_range(0.001, 1e9);
 }
@@ -109,6 +120,7 @@ void describe_up(Command command, UpArguments& up) {
       .value_name("P")
       .in_range(0.0, 0.9);
   command.add_switch("--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
+  add_equipment(command, up.line_tracking, up.without_rali);
   command.add_switch("--convoys", up.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   add_limits(command, up.limits);
@@ -188,6 +200,7 @@ void describe_plant(Command command, PlantArguments& plant) {
       .value_name("DIR")
       .required();
   command.add_option("--seed", plant.seed, "fixes every random draw").value_name("S").show_default();
+  add_equipment(command, plant.line_tracking, plant.without_rali);
   command.add_option("--state-file", plant.state_file, "preserves the world over a crash: it begins where it ended")
       .value_name("FILE");
   command.footer(
@@ -210,6 +223,7 @@ void describe_aiv(Command command, AivArguments& aiv) {
       .value_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
   command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
+  command.add_switch("--rali", aiv.rali, "it has the board RALI; without, its charge is unknown");
   command.add_flag("--emulated", aiv.emulated,
                    "its radio is the emulated world's, where scenarios can cause message loss");
   command.footer(

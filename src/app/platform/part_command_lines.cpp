@@ -1,5 +1,6 @@
 #include "cosiva/app/platform/part_command_lines.h"
 
+#include <algorithm>
 #include <charconv>
 #include <initializer_list>
 
@@ -41,6 +42,8 @@ Argv PartCommandLines::plant() const {
   append(line, {"--zone", plan_.rtm.configuration().origin, "--vehicles", std::to_string(arguments.aivs)});
   append(line, {"--seed", std::to_string(arguments.seed), "--sockets", run_ / "boards"});
   append(line, {"--state-file", run_ / "plant.state_file", "--summary", run_ / "plant.json", "--announce"});
+  for (const std::string& given : arguments.line_tracking) append(line, {"--line-tracking", given});
+  for (const std::string& given : arguments.without_rali) append(line, {"--without-rali", given});
   return line;
 }
 
@@ -52,6 +55,9 @@ Argv PartCommandLines::aiv(std::uint32_t number, const zone::TrackPosition& star
   append(line, {"--state-file", run_ / ("aiv" + name + ".state_file"), "--emulated", "--announce"});
   option(line, "--rules", plan_.arguments.rules);
   if (!plan_.arguments.v2x) append(line, {"--v2x", "off"});
+  const auto& without_rali = plan_.arguments.without_rali;
+  if (std::ranges::count(without_rali, name) + std::ranges::count(without_rali, "all") > 0)
+    append(line, {"--rali", "off"});
   return line;
 }
 

@@ -70,6 +70,19 @@ TEST_F(PartCommands, start_a_vehicle_at_its_position) {
   EXPECT_EQ(value(line(Part::aiv), "--v2x"), "off");
 }
 
+TEST_F(PartCommands, give_the_plant_and_each_vehicle_its_equipment) {
+  arguments.line_tracking = {"path_observer", "2=threshold"};
+  arguments.without_rali = {"2"};
+  EXPECT_EQ(value(line(Part::plant), "--line-tracking"), "path_observer");
+  EXPECT_THAT(line(Part::plant), Contains("2=threshold"));
+  EXPECT_EQ(value(line(Part::plant), "--without-rali"), "2");
+  EXPECT_EQ(value(line(Part::aiv), "--rali"), "off");
+  arguments.without_rali = {"3"};
+  EXPECT_THAT(line(Part::aiv), Not(Contains("--rali")));
+  arguments.without_rali = {"all"};
+  EXPECT_EQ(value(line(Part::aiv), "--rali"), "off");
+}
+
 TEST_F(PartCommands, start_the_server_with_the_options_of_the_run) {
   EXPECT_THAT(line(Part::server), ElementsAre("server", "--broker", "127.0.0.1:1883", "--port", "8080", "--summary",
                                               folder + "/server.json", "--announce", "--fleet", "3", "--emulated",

@@ -26,6 +26,9 @@ int run_plant(const PlantArguments& arguments) {
   options.rtm = std::move(*zone);
   options.vehicles = arguments.vehicles;
   options.seed = arguments.seed;
+  auto equipment = physical::read_equipment(arguments.vehicles, arguments.line_tracking, arguments.without_rali);
+  if (!equipment) return report_error(equipment.error());
+  options.equipment = std::move(*equipment);
   auto live = live_options(arguments.part, "plant", "plant", physical::to_json(options));
   if (!live) return report_error(live.error());
   live->state_file = arguments.state_file;

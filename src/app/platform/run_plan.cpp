@@ -73,6 +73,8 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
                 "this zone has room for " + std::to_string(room) + " AIVs to start, not " + std::to_string(merged.aivs),
                 "--aivs");
   }
+  auto equipment = physical::read_equipment(merged.aivs, merged.line_tracking, merged.without_rali);
+  if (!equipment) return tl::unexpected(equipment.error());
   if (scenario) {
     // The scenario is validated as it will run. A run that the command line shortens is no error of the file.
     experiments::Scenario evaluated = *scenario;
@@ -87,8 +89,8 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     print_info("the zone " + merged.zone + " is your own: " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
   std::string zone_file = is_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
-  return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm), std::move(scenario),
-                 std::move(scenario_file), std::move(zone_file), std::move(rules)};
+  return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm),  std::move(scenario),
+                 std::move(scenario_file), std::move(zone_file), std::move(rules), std::move(*equipment)};
 }
 
 }  // namespace cosiva::app

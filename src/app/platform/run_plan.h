@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cosiva/aiv/decision/speed_rules.h"
 #include "cosiva/app/platform/up_arguments.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/zone/rtm/rtm.h"
 
 namespace cosiva::app {
@@ -20,6 +22,7 @@ struct RunPlan {
   std::string scenario_file;
   std::string zone_file;                 ///< where edits may be saved: the given file; empty for a ready zone
   std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind has its own
+  std::vector<physical::VehicleEquipment> equipment{};
 };
 
 /// Fails on a scenario or a zone that is missing or bad, on a scenario that does not fit, on too many vehicles. Prints

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cosiva/app/cli/common_arguments.h"
 #include "cosiva/app/gvs/gvs_source.h"
@@ -49,6 +50,8 @@ struct UpArguments {
   bool convoys{true};
   bool gvs{false};  ///< a camera observes the zone
   GvsSource gvs_source;
+  std::vector<std::string> line_tracking;  ///< NAME or VEHICLE=NAME
+  std::vector<std::string> without_rali;   ///< numbers of vehicles, or all
   std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
 };
 

@@ -15,6 +15,7 @@ Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
   options.network.loss = plan.arguments.loss;
   options.v2x = options.server.v2x = plan.arguments.v2x;
   options.server.convoys = plan.arguments.convoys;
+  options.equipment = plan.equipment;
   if (plan.rules) options.rules = options.server.virtual_rules = *plan.rules;
   auto world = experiments::World::make(std::move(options));
   if (!world) return tl::unexpected(world.error());

@@ -15,6 +15,9 @@ struct VehicleCommands {
   Command exclude;
   Command include;
   Command retire;
+  Command self_test;
+  Command boards;
+  Command line_tracking;
 };
 
 [[nodiscard]] VehicleCommands describe_vehicle(Command root, VehicleArguments& arguments);

@@ -31,6 +31,8 @@ void BoardLink::power_up(SimTime now, std::uint32_t session) {
   powered_at_ = now;
   session_ = session;
   hello_due_ = true;
+  self_test_due_.reset();
+  fault_ = 0;
   heartbeat_.start(now);
 }
 
@@ -54,14 +56,29 @@ void BoardOutput::put(wire::Board board, wire::module_link::Encoder& encoder, co
 const std::vector<wire::BoardMessage>& BoardLink::receive(std::string_view bytes) {
   received_.clear();
   decoder_.feed(bytes, received_);
-  for (const auto& message : received_) hello_due_ = hello_due_ || std::holds_alternative<wire::Hello>(message);
+  for (const auto& message : received_) take_request(message);
   return received_;
 }
 
 void BoardLink::receive(const wire::BoardFrames::Frame& frame) {
   COSIVA_EXPECT(frame.board == board_);
   decoder_.count(frame.sequence, frame.message);
-  hello_due_ = hello_due_ || std::holds_alternative<wire::Hello>(frame.message);
+  take_request(frame.message);
+}
+
+void BoardLink::take_request(const wire::BoardMessage& message) {
+  hello_due_ = hello_due_ || std::holds_alternative<wire::Hello>(message);
+  if (const auto* request = std::get_if<wire::SelfTestRequest>(&message)) self_test_due_ = request->number;
+}
+
+void BoardLink::finish_self_test(std::uint8_t number, std::vector<wire::PartFinding> parts, BoardOutput out) {
+  fault_ = 0;
+  for (const wire::PartFinding& part : parts) report_fault(part);
+  send(wire::SelfTestResult{number, std::move(parts)}, out);
+}
+
+void BoardLink::report_fault(wire::PartFinding fault) {
+  if (fault_ == 0) fault_ = wire::fault_code(fault);
 }
 
 void BoardLink::tick(SimTime now, BoardOutput out) {
@@ -75,7 +92,7 @@ void BoardLink::tick(SimTime now, BoardOutput out) {
   hello_due_ = false;
   if (heartbeat) {
     const auto& counters = decoder_.counters();
-    send(wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0}, out);
+    send(wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, fault_}, out);
   }
 }
 
@@ -87,6 +104,6 @@ std::uint32_t BoardLink::board_ms(SimTime now) const {
   return static_cast<std::uint32_t>((now - powered_at_) / std::chrono::milliseconds{1});
 }
 
-void BoardLink::archive(Archive& archive) { archive(powered_at_, session_); }
+void BoardLink::archive(Archive& archive) { archive(powered_at_, session_, fault_); }
 
 }  // namespace cosiva::physical

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cosiva/base/archive_fwd.h"
@@ -47,7 +49,8 @@ class BoardOutput {
 
 /// The behaviour that all boards have in common (A18): identification at power-up and on a new connection, a heartbeat
 /// 10 times a second, frame numbering, and a count of damaged frames received. Sans-IO: frames in, frames appended to
-/// `out`. Invariant: only a connected board has a fresh connection.
+/// `out`; and the requests of self-tests, which the board itself performs. Invariant: only a connected board has a
+/// fresh connection.
 class BoardLink {
  public:
   explicit BoardLink(wire::Board board);
@@ -65,8 +68,17 @@ class BoardLink {
   void receive(const wire::BoardFrames::Frame& frame);
   void tick(SimTime now, BoardOutput out);
   /// A tick before this time changes nothing, unless the connection changes or frames arrive first.
-  [[nodiscard]] SimTime next_due() const { return connected_ && hello_due_ ? SimTime::min() : heartbeat_.next(); }
+  [[nodiscard]] SimTime next_due() const {
+    return connected_ && (hello_due_ || self_test_due_) ? SimTime::min() : heartbeat_.next();
+  }
   void send(const wire::BoardMessage& message, BoardOutput out);
+  /// The number of a self-test that has been requested, once: finish_self_test() is due.
+  [[nodiscard]] std::optional<std::uint8_t> take_self_test() { return std::exchange(self_test_due_, std::nullopt); }
+  /// Sends the result, which replaces the fault found earlier.
+  void finish_self_test(std::uint8_t number, std::vector<wire::PartFinding> parts, BoardOutput out);
+  /// The board has found a fault while it works: in the heartbeats from now on. The first one stays.
+  void report_fault(wire::PartFinding fault);
+  [[nodiscard]] bool faulty() const { return fault_ != 0; }
 
   /// Milliseconds since power-up; wraps after 49 days, as on a board.
   [[nodiscard]] std::uint32_t board_ms(SimTime now) const;
@@ -74,12 +86,16 @@ class BoardLink {
   void archive(Archive& archive);  ///< session and clock, for a restart of the emulation
 
  private:
+  void take_request(const wire::BoardMessage& message);
+
   wire::Board board_;
   SimTime powered_at_{};
   std::uint32_t session_{};
   bool connected_{false};
   bool fresh_{false};      ///< connected since the last tick
   bool hello_due_{false};  ///< fresh, or requested
+  std::optional<std::uint8_t> self_test_due_;
+  std::uint8_t fault_{0};  ///< as in a heartbeat
   Every heartbeat_{std::chrono::milliseconds{100}};
   wire::module_link::Encoder encoder_;
   wire::module_link::Decoder decoder_;

@@ -28,7 +28,10 @@ T quantise(double value, double unit) {
 void PilsBoard::power_up(SimTime now, std::uint32_t session, SimDuration phase) {
   link_.power_up(now, session);
   odometry_.start(now + phase);
+  parts_.start(now + phase);
   drive_.reset();
+  line_tracker_.restart();
+  uneven_cycles_ = 0;
 }
 
 void PilsBoard::on_bytes(SimTime now, std::string_view bytes) {
@@ -49,8 +52,19 @@ void PilsBoard::on_message(SimTime now, const wire::BoardMessage& message) {
 }
 
 void PilsBoard::tick(SimTime now, const WheelReadings& readings, BoardOutput out) {
+  if (const auto number = link_.take_self_test()) {
+    link_.finish_self_test(*number, test_parts(readings), out);
+    line_tracker_.restart();
+    uneven_cycles_ = 0;
+  }
   link_.tick(now, out);
   if (!odometry_.take(now)) return;
+  watch_parts(readings);
+  send_odometry(now, readings, out);
+  if (parts_.take(now)) send_parts(now, readings, out);
+}
+
+void PilsBoard::send_odometry(SimTime now, const WheelReadings& readings, BoardOutput out) {
   wire::Odometry odometry;
   odometry.board_ms = link_.board_ms(now);
   odometry.distance_um = static_cast<std::int64_t>(std::nearbyint(readings.distance_m * 1e6));
@@ -65,8 +79,41 @@ void PilsBoard::tick(SimTime now, const WheelReadings& readings, BoardOutput out
   link_.send(odometry, out);
 }
 
+void PilsBoard::send_parts(SimTime now, const WheelReadings& readings, BoardOutput out) {
+  const auto motor = [](const WheelReadings::Motor& of) {
+    return wire::PilsParts::Motor{quantise<std::int16_t>(of.speed_mps, 1e-3),
+                                  quantise<std::int16_t>(of.current_a, 1e-3)};
+  };
+  constexpr std::uint8_t all_plugs = 7;
+  link_.send(wire::PilsParts{link_.board_ms(now), quantise<std::uint16_t>(readings.supply_v, 1e-3), all_plugs,
+                             readings.dems, motor(readings.left), motor(readings.right)},
+             out);
+}
+
+void PilsBoard::watch_parts(const WheelReadings& readings) {
+  if (line_tracker_.implausible()) link_.report_fault({wire::Part::DEMS, wire::Finding::implausible});
+  // On the tightest curve of a line tracker the inner wheel turns at a third of the outer one's speed.
+  constexpr double turning_mps = 0.05;
+  constexpr int uneven_cycles_max = 10;
+  const auto [slow_mps, fast_mps] =
+      std::minmax({std::fabs(readings.left.speed_mps), std::fabs(readings.right.speed_mps)});
+  uneven_cycles_ = fast_mps > turning_mps && slow_mps < 0.25 * fast_mps ? uneven_cycles_ + 1 : 0;
+  if (uneven_cycles_ >= uneven_cycles_max) link_.report_fault({wire::Part::PMOT, wire::Finding::does_not_turn});
+}
+
+std::vector<wire::PartFinding> PilsBoard::test_parts(const WheelReadings& readings) {
+  using wire::Finding;
+  constexpr double supply_v_min = 4.5;
+  const bool plausible = lt_implausible(&dems_geometry, readings.dems.data()) == 0;
+  const bool turns = readings.left.turns && readings.right.turns;
+  return {{wire::Part::controller, Finding::passed},
+          {wire::Part::BRAC, readings.supply_v >= supply_v_min ? Finding::passed : Finding::low_supply},
+          {wire::Part::DEMS, plausible ? Finding::passed : Finding::implausible},
+          {wire::Part::PMOT, turns ? Finding::passed : Finding::does_not_turn}};
+}
+
 std::optional<wire::Drive> PilsBoard::drive(SimTime now, double distance_m) {
-  if (!driven(now)) return std::nullopt;
+  if (!driven(now) || link_.faulty()) return std::nullopt;
   if (!drive_->room_mm || drive_->speed_mmps == 0) return drive_;
   if (!received_at_m_) received_at_m_ = distance_m;
   const double left_m = 1e-3 * *drive_->room_mm - std::fabs(distance_m - *received_at_m_);
@@ -81,6 +128,7 @@ std::optional<wire::Drive> PilsBoard::drive(SimTime now, double distance_m) {
 void PravBoard::power_up(SimTime now, std::uint32_t session) {
   link_.power_up(now, session);
   readings_.clear();
+  display_.clear();
 }
 
 void PravBoard::on_bytes(SimTime /*now*/, std::string_view bytes) {
@@ -96,7 +144,9 @@ void PravBoard::on_message(const wire::BoardMessage& message) {
   if (const auto* display = std::get_if<wire::Display>(&message)) display_ = display->text;
 }
 
-void PravBoard::on_tag(SimTime read_at, std::uint32_t number) { readings_.push_back({read_at, number}); }
+void PravBoard::on_tag(SimTime read_at, std::uint32_t number) {
+  if (!reader_failed_) readings_.push_back({read_at, number});
+}
 
 SimTime PravBoard::next_due() const {
   SimTime next = link_.next_due();
@@ -105,6 +155,11 @@ SimTime PravBoard::next_due() const {
 }
 
 void PravBoard::tick(SimTime now, BoardOutput out) {
+  // PRAV polls its reader all the time, so a reader that does not respond is found at once.
+  const wire::PartFinding reader{wire::Part::RFID, reader_failed_ ? wire::Finding::no_response : wire::Finding::passed};
+  link_.report_fault(reader);
+  if (const auto number = link_.take_self_test())
+    link_.finish_self_test(*number, {{wire::Part::controller}, reader, {wire::Part::AFFI}}, out);
   link_.tick(now, out);
   std::erase_if(readings_, [&](const Reading& reading) {
     if (reading.read_at > now) return false;
@@ -127,6 +182,8 @@ void DobsBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<
 void DobsBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame) { link_.receive(frame); }
 
 void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, BoardOutput out) {
+  if (const auto number = link_.take_self_test())
+    link_.finish_self_test(*number, {{wire::Part::controller}, {wire::Part::ranging}}, out);
   link_.tick(now, out);
   if (!scan_.take(now)) return;
   auto& ranges = std::get<wire::Ranges>(ranges_);
@@ -147,6 +204,8 @@ void RaliBoard::on_bytes(SimTime /*now*/, std::string_view bytes) { static_cast<
 void RaliBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame) { link_.receive(frame); }
 
 void RaliBoard::tick(SimTime now, const PowerReadings& readings, BoardOutput out) {
+  if (const auto number = link_.take_self_test())
+    link_.finish_self_test(*number, {{wire::Part::controller}, {wire::Part::regulator}}, out);
   link_.tick(now, out);
   if (!report_.take(now)) return;
   const double charge = std::clamp(readings.charge, 0.0, 1.0);

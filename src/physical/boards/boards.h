@@ -25,13 +25,25 @@ struct WheelReadings {
   double line_offset_m;  ///< of the line from the sensor's centre, left positive
   bool line_lost;
   const Pose2* manoeuvre{nullptr};  ///< the displacement by the wheels since the vehicle left the path, if it did
+  struct Motor {
+    double speed_mps{};  ///< of its wheel
+    double current_a{};
+    bool turns{true};  ///< in a test pulse, too short to move the vehicle
+  };
+  Motor left{};
+  Motor right{};
+  DemsRow dems{};        ///< the leading row
+  double supply_v{5.0};  ///< at BRAC
 };
 
 /// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid
-/// Drive, and at the latest at the end of its room.
+/// Drive, at the latest at the end of its room, and with a fault of DEMS or PMOT. Steers by its line tracking.
 class PilsBoard {
  public:
   static constexpr SimDuration drive_timeout = std::chrono::milliseconds{300};
+
+  /// @param line_tracking  one of line_tracking_names() (checked)
+  explicit PilsBoard(std::string_view line_tracking = "centroid_pd") : line_tracker_{line_tracking} {}
 
   [[nodiscard]] BoardLink& link() { return link_; }
   [[nodiscard]] const BoardLink& link() const { return link_; }
@@ -44,16 +56,23 @@ class PilsBoard {
   /// What the motors have to do where the encoders have counted `distance_m`; nothing: stop.
   [[nodiscard]] std::optional<wire::Drive> drive(SimTime now, double distance_m);
   [[nodiscard]] LineTracker& line_tracker() { return line_tracker_; }
+  [[nodiscard]] const LineTracker& line_tracker() const { return line_tracker_; }
 
   /// As BoardLink::next_due.
   [[nodiscard]] SimTime next_due() const { return std::min(link_.next_due(), odometry_.next()); }
 
  private:
   void on_message(SimTime now, const wire::BoardMessage& message);
+  void send_odometry(SimTime now, const WheelReadings& readings, BoardOutput out);
+  void send_parts(SimTime now, const WheelReadings& readings, BoardOutput out);
+  void watch_parts(const WheelReadings& readings);
+  [[nodiscard]] static std::vector<wire::PartFinding> test_parts(const WheelReadings& readings);
 
   BoardLink link_{wire::Board::PILS};
-  LineTracker line_tracker_{line_tracking_names().front()};
+  LineTracker line_tracker_;
   Every odometry_{std::chrono::milliseconds{20}};
+  Every parts_{std::chrono::milliseconds{500}};
+  int uneven_cycles_{0};  ///< in which one wheel has turned and the other one has not
   std::optional<wire::Drive> drive_;
   SimTime driven_at_{};
   std::optional<double> received_at_m_;  ///< of the encoders, at the first step after drive_ arrived
@@ -72,6 +91,8 @@ class PravBoard {
   void on_tag(SimTime read_at, std::uint32_t number);
   void tick(SimTime now, BoardOutput out);
   [[nodiscard]] const std::string& display() const { return display_; }
+  /// The RFID module responds no more, or again.
+  void set_reader_failed(bool failed) { reader_failed_ = failed; }
 
   /// As BoardLink::next_due; a new reading comes before it, too.
   [[nodiscard]] SimTime next_due() const;
@@ -86,6 +107,7 @@ class PravBoard {
   BoardLink link_{wire::Board::PRAV};
   std::vector<Reading> readings_;
   std::string display_;
+  bool reader_failed_{false};
 };
 
 /// Obstacle ranging (A17): a fan of sectors at the vehicle's leading end, 60 ms apart as echoes need. Invariant: one

@@ -35,6 +35,7 @@ void LineTracker::step(const DemsRow& readings, double speed_mps) {
   lt_input in{{}, static_cast<std::int32_t>(std::lround(1e3 * speed_mps)), std::exchange(due_us_, 0)};
   std::ranges::copy(readings, in.reading);
   algorithm_->step(&state_, &in, &out_);
+  implausible_steps_ = lt_implausible(&dems_geometry, in.reading) != 0 ? implausible_steps_ + 1 : 0;
 }
 
 void LineTracker::restart() {
@@ -42,6 +43,7 @@ void LineTracker::restart() {
   algorithm_->init(&state_, &dems_geometry);
   out_ = {};
   since_us_ = 0;
+  implausible_steps_ = 0;
 }
 
 }  // namespace cosiva::physical

@@ -44,14 +44,19 @@ class LineTracker {
   /// As measured last: the line's offset from the row's centre, left positive in the direction of travel.
   [[nodiscard]] double offset_m() const { return 1e-6 * out_.offset_um; }
   [[nodiscard]] bool line_lost() const { return out_.line_lost != 0; }
+  /// For 0.1 s no marking could give the readings: a sensor is stuck.
+  [[nodiscard]] bool implausible() const { return implausible_steps_ >= implausible_steps_max; }
   [[nodiscard]] std::string_view algorithm() const { return algorithm_->name; }
 
  private:
+  static constexpr int implausible_steps_max = 5;
+
   const lt_algorithm* algorithm_;
   lt_state state_{};
   lt_output out_{};
   std::int32_t since_us_{0};
   std::int32_t due_us_{0};  ///< the time that the step is for; 0: none is due
+  int implausible_steps_{0};
   bool forwards_{true};
 };
 

@@ -29,18 +29,19 @@ void Dems::read(double offset_m, double distance_m) {
   for (std::size_t i = 0; i < LT_SENSORS; ++i) {
     const double sensor_m = pitch_m * (static_cast<double>(i) - 0.5 * (LT_SENSORS - 1));
     const double covered = (half_line_m + half_field_m - std::fabs(sensor_m - line_m)) / (2.0 * half_field_m);
-    readings_[i] = static_cast<std::uint8_t>(255.0 * std::clamp(covered, 0.0, 1.0) + 0.5);
+    exact_[i] = static_cast<std::uint8_t>(255.0 * std::clamp(covered, 0.0, 1.0) + 0.5);
   }
   overlay_fault();
 }
 
 void Dems::read_nothing() {
-  readings_.fill(0);
+  exact_.fill(0);
   overlay_fault();
 }
 
 void Dems::overlay_fault() {
   COSIVA_EXPECT(stuck_ <= LT_SENSORS);
+  readings_ = exact_;
   if (stuck_ < LT_SENSORS) readings_[stuck_] = stuck_reading_;
 }
 
@@ -58,6 +59,6 @@ void Dems::stick(std::size_t sensor, std::uint8_t reading) {
   overlay_fault();
 }
 
-void Dems::archive(Archive& archive) { archive(unevenness_m_, readings_, stuck_, stuck_reading_); }
+void Dems::archive(Archive& archive) { archive(unevenness_m_, exact_, readings_, stuck_, stuck_reading_); }
 
 }  // namespace cosiva::physical

@@ -39,7 +39,8 @@ class Dems {
   double line_sd_m_;
   Random random_;
   double unevenness_m_;
-  DemsRow readings_{};
+  DemsRow exact_{};     ///< what sensors without a fault read
+  DemsRow readings_{};  ///< what the sensors read
   std::size_t stuck_{LT_SENSORS};
   std::uint8_t stuck_reading_{0};
 };

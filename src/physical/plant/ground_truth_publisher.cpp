@@ -23,7 +23,7 @@ std::string ground_truth_json(SimTime now, std::span<const Vehicle> vehicles, co
     const Pose2 pose = body_pose(vehicle);
     json.begin_object().field("number", vehicle.number()).field("x", rounded(pose.x_m)).field("y", rounded(pose.y_m));
     json.field("heading", rounded(pose.heading_rad)).field("speed", rounded(vehicle.motion().speed_mps()));
-    json.field("charge", rounded(vehicle.charge())).end_object();
+    json.field("charge", rounded(vehicle.power().pack().charge())).end_object();
   }
   json.end_array().key("obstacles").begin_array();
   for (const auto& obstacle : obstacles.all()) {

@@ -42,6 +42,8 @@ class Odometer {
 
   [[nodiscard]] double distance_m() const { return count_m_; }
   [[nodiscard]] double scale() const { return scale_; }
+  /// The counter begins again, as after a loss of power.
+  void restart() { count_m_ = 0.0; }
   void archive(Archive& archive);  ///< the counts, for a restart of the emulation
 
  private:

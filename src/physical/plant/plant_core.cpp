@@ -90,7 +90,8 @@ struct PlantCore::Impl {
     vehicles.reserve(positions.size());
     const auto cells = PowerTrain::usual_table();
     for (std::uint32_t i = 0; i < positions.size(); ++i)
-      vehicles.emplace_back(i + 1, floor, positions[i], options.noise, options.seed, cells, step_max(options));
+      vehicles.emplace_back(i + 1, floor, positions[i], options.noise, options.equipment_of(i + 1), options.seed, cells,
+                            step_max(options));
     if (options.as_values)
       for (Vehicle& vehicle : vehicles) vehicle.boards().pass_values();
     bodies.resize(vehicles.size());
@@ -134,6 +135,7 @@ struct PlantCore::Impl {
   [[nodiscard]] Result<Vehicle*> vehicle_of(const JsonValue& command);
   [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> set_load(const JsonValue& given);
+  [[nodiscard]] std::optional<Error> set_fault(const JsonValue& given);
   void take_over(const ZoneExchange::News& news);
   void change_floors();
   [[nodiscard]] std::string persisted_bytes();
@@ -201,8 +203,8 @@ void PlantCore::fold(Digest& digest) const {
     digest.add(pose.heading_rad);
     digest.add(vehicle.motion().speed_mps());
     digest.add(vehicle.trip().distance_m());
-    digest.add(vehicle.charge());
-    digest.add(std::string_view{vehicle.display()});
+    digest.add(vehicle.power().pack().charge());
+    digest.add(std::string_view{vehicle.boards().display()});
   }
   for (const Collision& collision : impl_->collisions) {
     digest.add(collision.at);
@@ -218,7 +220,8 @@ const PlantOptions& PlantCore::options() const { return impl_->options; }
 std::vector<std::string> PlantCore::ports() const {
   std::vector<std::string> names;
   for (const Vehicle& vehicle : impl_->vehicles) {
-    for (const wire::Board board : wire::all_boards) names.push_back(vehicle.port(board));
+    for (const wire::Board board : wire::all_boards)
+      if (vehicle.boards().has(board)) names.push_back(vehicle.boards().port(board));
   }
   return names;
 }
@@ -234,9 +237,9 @@ std::vector<TrueVehicle> PlantCore::vehicles() const {
                             motion.speed_mps(),
                             vehicle.trip().distance_m(),
                             vehicle.trip().laps(),
-                            vehicle.charge(),
+                            vehicle.power().pack().charge(),
                             vehicle.powered(impl_->now),
-                            vehicle.display(),
+                            vehicle.boards().display(),
                             motion.following() ? std::optional{motion.track_position()} : std::nullopt,
                             {power.pack().voltage_v(), power.pack().current_a(), power.pack().temperature_c(),
                              power.load_w(), power.cut_off()}});
@@ -268,7 +271,9 @@ std::string PlantCore::summary_json() const {
     json.begin_object().field("number", vehicle.number()).field("x", pose.x_m).field("y", pose.y_m);
     json.field("heading", pose.heading_rad).field("speed", vehicle.motion().speed_mps());
     json.field("distance", vehicle.trip().distance_m()).field("laps", vehicle.trip().laps());
-    json.field("charge", vehicle.charge()).field("longest_wait_s", vehicle.trip().longest_wait_s()).end_object();
+    json.field("charge", vehicle.power().pack().charge())
+        .field("longest_wait_s", vehicle.trip().longest_wait_s())
+        .end_object();
   }
   json.end_array().key("collisions").begin_array();
   for (const Collision& collision : impl_->collisions) {
@@ -306,7 +311,7 @@ void PlantCore::Impl::tick(SimTime at, wire::Effects& effects) {
   record_bodies();
   watch_contacts();
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
-    if (vehicles[i].wants_scan(at)) scan(i);
+    if (vehicles[i].boards().wants_scan(at)) scan(i);
     vehicles[i].speak(at, fan.ranges(), effects);
   }
   exchange.tick(at, effects);
@@ -473,9 +478,10 @@ std::optional<Error> PlantCore::Impl::obey(const JsonValue& command, wire::Effec
   }
   if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given, effects);
   if (const JsonValue* given = command.find("setLoad")) return set_load(*given);
+  if (const JsonValue* given = command.find("setFault")) return set_fault(*given);
   return Error{"plant.command",
                R"(expected {"addObstacle":{"id","x","y","radius"}}, {"removeObstacle":"id"}, {"changeBattery":{…}}, )"
-               R"({"setLoad":{…}} or {"switch":{"format","origin","text"}})",
+               R"({"setLoad":{…}}, {"setFault":{…}} or {"switch":{"format","origin","text"}})",
                {}};
 }
 
@@ -512,6 +518,15 @@ std::optional<Error> PlantCore::Impl::set_load(const JsonValue& given) {
   if (!factor || !(*factor >= 0.1 && *factor <= 10.0))
     return Error{"plant.load", "give a factor from 0.1 to 10", "factor"};
   (*vehicle)->power().set_load_factor(*factor);
+  return std::nullopt;
+}
+
+std::optional<Error> PlantCore::Impl::set_fault(const JsonValue& given) {
+  const auto vehicle = vehicle_of(given);
+  if (!vehicle) return vehicle.error();
+  const auto fault = vehicle_fault_from_json(given);
+  if (!fault) return fault.error();
+  (*vehicle)->inject(now, *fault);
   return std::nullopt;
 }
 

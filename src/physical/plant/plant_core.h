@@ -58,7 +58,8 @@ struct Collision {
 /// obstacle of this id; {"removeObstacle":"id"}; {"switch":{"format","origin","text","sidecar"}}, the physical
 /// side's new zone by hand, which the plant then publishes; {"changeBattery":{"vehicle":1,"id":"B7",…}}
 /// (power_train.h), another battery in a vehicle; {"setLoad":{"vehicle":1,"factor":1.02}}, the vehicle's consumption
-/// relative to the others; an invalid command is logged.
+/// relative to the others; {"setFault":{"vehicle":1,"fault":"dead_motor",…}} (vehicle_faults.h); an invalid command is
+/// logged.
 ///
 /// The world persists ten times a second, and at each of those commands: a plant that starts again begins where it
 /// ended. Bodies, trips, batteries, obstacles, contacts and the zone in force are as they were, and the boards continue
@@ -84,7 +85,7 @@ class PlantCore final : public wire::Core {
   /// Number of the format of persisted_bytes(): increases with every change of what the plant's classes store.
   static constexpr std::uint32_t persisted_format = 2;
   /// Digest of persisted_layout() in this format: a test compares, so that no change of the members is overlooked.
-  static constexpr std::string_view persisted_layout_digest = "2f35c3abb250beb9";
+  static constexpr std::string_view persisted_layout_digest = "e67fb85cf59ac936";
   /// What is persisted; read from a dead core where frames pass as values, because nothing is persisted there.
   [[nodiscard]] std::string persisted_bytes() const;
   /// With the present zone: edited, or switched to.

@@ -1,5 +1,7 @@
 #include "cosiva/physical/plant/plant_options.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -7,6 +9,7 @@
 
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/physical/boards/line_tracker.h"
 
 namespace cosiva::physical {
 namespace {
@@ -114,7 +117,51 @@ void write_noise(JsonWriter& json, const PlantNoise& noise) {
       .end_object();
 }
 
+bool is_line_tracking(std::string_view name) { return std::ranges::count(line_tracking_names(), name) > 0; }
+
+std::string one_of_line_trackings() {
+  std::string text;
+  for (const std::string& name : line_tracking_names()) text += (text.empty() ? "one of " : ", ") + name;
+  return text;
+}
+
+/// A vehicle's number from 1 to `vehicles`; nothing: the text is none.
+std::optional<std::uint32_t> vehicle_number(std::string_view text, std::uint32_t vehicles) {
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number < 1 || number > vehicles) return std::nullopt;
+  return number;
+}
+
 }  // namespace
+
+VehicleEquipment PlantOptions::equipment_of(std::uint32_t vehicle) const {
+  return vehicle <= equipment.size() ? equipment[vehicle - 1] : VehicleEquipment{};
+}
+
+Result<std::vector<VehicleEquipment>> read_equipment(std::uint32_t vehicles,
+                                                     const std::vector<std::string>& line_tracking,
+                                                     const std::vector<std::string>& without_rali) {
+  std::vector<VehicleEquipment> equipment(line_tracking.empty() && without_rali.empty() ? 0 : vehicles);
+  const std::string numbers = "a vehicle's number from 1 to " + std::to_string(vehicles);
+  for (const std::string& given : line_tracking) {
+    const std::size_t equals = given.find('=');
+    const std::string name = equals == std::string::npos ? given : given.substr(equals + 1);
+    if (!is_line_tracking(name))
+      return fail("plant.line_tracking", "'" + name + "' is no algorithm; expected " + one_of_line_trackings(), given);
+    const auto number = equals == std::string::npos ? std::nullopt : vehicle_number(given.substr(0, equals), vehicles);
+    if (equals != std::string::npos && !number) return fail("plant.line_tracking", "expected " + numbers, given);
+    for (std::uint32_t v = 1; v <= vehicles; ++v)
+      if (!number || *number == v) equipment[v - 1].line_tracking = name;
+  }
+  for (const std::string& given : without_rali) {
+    const auto number = vehicle_number(given, vehicles);
+    if (!number && given != "all") return fail("plant.rali", "expected " + numbers + ", or all", given);
+    for (std::uint32_t v = 1; v <= vehicles; ++v)
+      if (!number || *number == v) equipment[v - 1].rali = false;
+  }
+  return equipment;
+}
 
 std::string to_json(const PlantOptions& options) {
   JsonWriter json;
@@ -125,9 +172,14 @@ std::string to_json(const PlantOptions& options) {
       .field("cycle_ms", to_milliseconds(options.cycle))
       .key("noise");
   write_noise(json, options.noise);
-  json.field("publish_zone", options.publish_zone)
-      .field("publish_ground_truth", options.publish_ground_truth)
-      .end_object();
+  json.field("publish_zone", options.publish_zone).field("publish_ground_truth", options.publish_ground_truth);
+  if (!options.equipment.empty()) {
+    json.key("equipment").begin_array();
+    for (const VehicleEquipment& of : options.equipment)
+      json.begin_object().field("line_tracking", of.line_tracking).field("rali", of.rali).end_object();
+    json.end_array();
+  }
+  json.end_object();
   return json.take();
 }
 
@@ -151,6 +203,17 @@ Result<PlantOptions> plant_options_from_json(std::string_view text) {
   if (const JsonValue* noise = json->find("noise")) {
     if (noise->object() == nullptr) return bad("'noise'", "an object");
     if (const auto error = read_noise(*noise, options.noise)) return tl::unexpected(*error);
+  }
+  if (const JsonValue* equipment = json->find("equipment")) {
+    if (equipment->array() == nullptr || equipment->array()->size() > options.vehicles)
+      return bad("'equipment'", "a list with at most one entry for each vehicle");
+    for (const JsonValue& entry : *equipment->array()) {
+      VehicleEquipment of;
+      of.line_tracking = entry.text("line_tracking").value_or(of.line_tracking);
+      of.rali = entry.flag("rali").value_or(of.rali);
+      if (!is_line_tracking(of.line_tracking)) return bad("'line_tracking'", one_of_line_trackings());
+      options.equipment.push_back(std::move(of));
+    }
   }
   return options;
 }

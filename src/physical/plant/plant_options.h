@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
@@ -26,6 +27,13 @@ struct PlantNoise {
   double range_dropout{0.01};  ///< per beam and cycle
 };
 
+/// What a vehicle is equipped with.
+struct VehicleEquipment {
+  std::string line_tracking{"centroid_pd"};  ///< one of line_tracking_names() (physical/boards)
+  bool rali{true};                           ///< the regulated supply, which measures the battery
+  friend bool operator==(const VehicleEquipment&, const VehicleEquipment&) = default;
+};
+
 struct PlantOptions {
   zone::ZoneConfiguration zone;
   std::uint32_t vehicles{4};
@@ -37,7 +45,15 @@ struct PlantOptions {
   bool as_values{false};  ///< frames are passed on as values: all parties are in this process. Not in JSON
   /// Built from `zone` already, where it is known; null: the plant builds it. Not in JSON.
   std::shared_ptr<const zone::Rtm> rtm{};
+  std::vector<VehicleEquipment> equipment{};  ///< of vehicles 1, 2, …; those beyond the list have the usual one
+  [[nodiscard]] VehicleEquipment equipment_of(std::uint32_t vehicle) const;
 };
+/// The equipment of a fleet from command lines.
+/// @param line_tracking  each "NAME" for all vehicles, or "VEHICLE=NAME" such as "2=threshold"
+/// @param without_rali   numbers of vehicles, or "all"
+[[nodiscard]] Result<std::vector<VehicleEquipment>> read_equipment(std::uint32_t vehicles,
+                                                                   const std::vector<std::string>& line_tracking,
+                                                                   const std::vector<std::string>& without_rali);
 /// For recording and reading back.
 [[nodiscard]] std::string to_json(const PlantOptions& options);
 /// Fails with the missing or invalid field.

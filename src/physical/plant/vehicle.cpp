@@ -32,8 +32,8 @@ DriveCommand to_command(const wire::Drive& drive) {
 }  // namespace
 
 Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start,
-                 const PlantNoise& noise, std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells,
-                 SimDuration step_max)
+                 const PlantNoise& noise, const VehicleEquipment& equipment, std::uint64_t seed,
+                 const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max)
     : number_{number},
       step_max_{step_max},
       floor_{std::move(floor)},
@@ -43,8 +43,9 @@ Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone:
       tag_reader_{
           floor_->tags, {noise.tag_miss, noise.tag_latency_min, noise.tag_latency_max}, stream(seed, number, "tags")},
       power_{cells, stream(seed, number, "gauge")},
-      boards_{number, noise, stream(seed, number, "ranges")},
-      trip_{floor_->loop_length_m} {
+      boards_{number, equipment, noise, stream(seed, number, "ranges")},
+      trip_{floor_->loop_length_m},
+      seed_{seed} {
   boards_.select_rear_sensor(floor_->zone->circuit.indirect());
 }
 
@@ -52,7 +53,36 @@ void Vehicle::power_up(SimTime now, std::uint64_t seed) {
   boards_.power_up(now, stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session"));
 }
 
+void Vehicle::inject(SimTime now, const std::optional<VehicleFault>& fault) {
+  if (!fault) {
+    faults_.end_all();
+    return end_faults(now);
+  }
+  faults_.begin(now, *fault);
+  switch (fault->kind) {
+    case VehicleFault::Kind::stuck_sensor: return motion_.parts().dems.stick(fault->sensor, fault->reading);
+    case VehicleFault::Kind::dead_motor: return motion_.parts().pmot.set_dead(fault->motor);
+    case VehicleFault::Kind::failed_reader: return boards_.set_reader_failed(true);
+    case VehicleFault::Kind::brown_out: return boards_.power_off();
+  }
+}
+
+void Vehicle::end_faults(SimTime now) {
+  while (const auto ended = faults_.take_ended(now)) {
+    switch (*ended) {
+      case VehicleFault::Kind::stuck_sensor: motion_.parts().dems.stick(LT_SENSORS, 0); break;
+      case VehicleFault::Kind::dead_motor: motion_.parts().pmot.set_dead(DeadMotor::none); break;
+      case VehicleFault::Kind::failed_reader: boards_.set_reader_failed(false); break;
+      case VehicleFault::Kind::brown_out:
+        odometer_.restart();
+        power_up(now, seed_);
+        break;
+    }
+  }
+}
+
 void Vehicle::move(SimTime now, SimDuration dt) {
+  if (faults_.any()) end_faults(now);
   for (SimDuration left = dt; left > SimDuration::zero();) {
     const SimDuration part = std::min(left, step_max_);
     left -= part;
@@ -79,8 +109,10 @@ void Vehicle::step(SimTime now, double dt_s) {
   odometer_.add(in_body_frame(*floor_, moved_m), motion_.parts().pmot.acceleration_mps2());
   if (motion_.following()) read_tags(now, before);
 
-  drive_energy_j_ +=
+  const double drive_j =
       power_.cart().drive_energy_j(moved_m, motion_.speed_mps(), motion_.parts().pmot.acceleration_mps2(), dt_s);
+  draw_.energy_j += drive_j;
+  draw_.power_w = drive_j / dt_s;
   book_energy(dt_s);
 }
 
@@ -95,7 +127,7 @@ void Vehicle::step_manoeuvre() {
   in_manoeuvre_ = motion_.manoeuvre() != nullptr;
   const auto [turned_rad, traversed_m] = motion_.step_manoeuvre();
   odometer_.add_manoeuvre(turned_rad, in_body_frame(*floor_, traversed_m));
-  drive_energy_j_ += power_.cart().manoeuvre_energy_j(turned_rad, traversed_m);
+  draw_.energy_j += power_.cart().manoeuvre_energy_j(turned_rad, traversed_m);
 }
 
 void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
@@ -114,11 +146,11 @@ void Vehicle::book_energy(double dt_s) {
   // Evaluating the cells' exponentials ten times a second is as good as a hundred: the charge changes by a millionth.
   // RALI's monitor measures as often.
   constexpr double period_s = 0.0999;
-  drive_time_s_ += dt_s;
-  if (drive_time_s_ < period_s) return;
-  power_.draw(drive_energy_j_, drive_time_s_);
-  drive_energy_j_ = 0.0;
-  drive_time_s_ = 0.0;
+  draw_.time_s += dt_s;
+  if (draw_.time_s < period_s) return;
+  power_.draw(draw_.energy_j, draw_.time_s);
+  draw_.energy_j = 0.0;
+  draw_.time_s = 0.0;
 }
 
 void Vehicle::book_waiting(SimDuration dt) {
@@ -130,17 +162,40 @@ void Vehicle::book_waiting(SimDuration dt) {
     trip_.on_waiting(dt);
 }
 
+WheelReadings Vehicle::wheel_readings() const {
+  // The supply's wires and plugs have some resistance.
+  constexpr double supply_v = 5.0;
+  constexpr double supply_ohm = 0.1;
+  const LineTracker& tracker = boards_.line_tracker();
+  const Pmot& pmot = motion_.parts().pmot;
+  const auto wheels = pmot.wheels();
+  const double current_a = draw_.power_w / supply_v;
+  const auto motor = [&](double speed_mps, DeadMotor side) {
+    const double part = pmot.dead() == DeadMotor::none ? 0.5 : pmot.dead() == side ? 0.0 : 1.0;
+    return WheelReadings::Motor{speed_mps, part * current_a, pmot.dead() != side};
+  };
+  const double left_mps = in_body_frame(*floor_, wheels.left_mps);
+  const double right_mps = in_body_frame(*floor_, wheels.right_mps);
+  const bool turned = floor_->zone->circuit.indirect();  // what is left in the travel frame is right in the body frame
+  return {odometer_.distance_m(),
+          in_body_frame(*floor_, motion_.speed_mps()),
+          in_body_frame(*floor_, tracker.offset_m()),
+          motion_.line_lost() || (motion_.following() && tracker.line_lost()),
+          in_manoeuvre_ ? &odometer_.X_SB() : nullptr,
+          turned ? motor(right_mps, DeadMotor::right) : motor(left_mps, DeadMotor::left),
+          turned ? motor(left_mps, DeadMotor::left) : motor(right_mps, DeadMotor::right),
+          motion_.parts().dems.readings(),
+          supply_v - supply_ohm * current_a};
+}
+
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {
-  boards_.speak(now,
-                {odometer_.distance_m(), in_body_frame(*floor_, motion_.speed_mps()),
-                 in_body_frame(*floor_, boards_.line_tracker().offset_m()),
-                 motion_.line_lost() || (motion_.following() && boards_.line_tracker().line_lost()),
-                 in_manoeuvre_ ? &odometer_.X_SB() : nullptr},
-                scan, power_.readings(), effects);
+  if (boards_.due(now)) boards_.speak(now, wheel_readings(), scan, power_.readings(), effects);
 }
 
 void Vehicle::archive(Archive& archive) {
-  archive(motion_, odometer_, tag_reader_, power_, boards_, trip_, in_manoeuvre_, awaits_floor_);
+  archive(motion_, odometer_, tag_reader_, power_, boards_, trip_, faults_, in_manoeuvre_, awaits_floor_);
+  if (archive.reads() && faults_.has(VehicleFault::Kind::failed_reader)) boards_.set_reader_failed(true);
+  if (archive.reads() && faults_.has(VehicleFault::Kind::brown_out)) boards_.power_off();
 }
 
 }  // namespace cosiva::physical

@@ -18,6 +18,7 @@
 #include "cosiva/physical/plant/trip_counter.h"
 #include "cosiva/physical/plant/vehicle_boards.h"
 #include "cosiva/physical/plant/vehicle_dynamics.h"
+#include "cosiva/physical/plant/vehicle_faults.h"
 
 namespace cosiva::physical {
 
@@ -26,12 +27,16 @@ namespace cosiva::physical {
 class Vehicle {
  public:
   Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone::TrackPosition start, const PlantNoise& noise,
-          std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells, SimDuration step_max);
+          const VehicleEquipment& equipment, std::uint64_t seed, const std::shared_ptr<const battery::CellTable>& cells,
+          SimDuration step_max);
 
   /// Switches the boards on. Their session numbers come from the seed and the time, so that the same plant started
   /// later has others, as after a real power cut.
   void power_up(SimTime now, std::uint64_t seed);
   [[nodiscard]] VehicleBoards& boards() { return boards_; }
+  [[nodiscard]] const VehicleBoards& boards() const { return boards_; }
+  /// A fault that a scenario injects; nothing: all of them end.
+  void inject(SimTime now, const std::optional<VehicleFault>& fault);
 
   /// Moves the body over `dt`, in steps of at most step_max.
   void move(SimTime now, SimDuration dt);
@@ -44,7 +49,6 @@ class Vehicle {
   void set_zone(std::shared_ptr<const Floor> floor);
   /// The floor has other tags than before.
   void on_tags_changed() { tag_reader_.on_tags_changed(); }
-  [[nodiscard]] bool wants_scan(SimTime now) const { return boards_.wants_scan(now); }
   /// Lets the boards send. @param scan exact ranges, used only when wants_scan(now)
   void speak(SimTime now, const Scan& scan, wire::Effects& effects);
 
@@ -56,9 +60,6 @@ class Vehicle {
   [[nodiscard]] const std::shared_ptr<const Floor>& floor() const { return floor_; }
   [[nodiscard]] const TripCounter& trip() const { return trip_; }
   [[nodiscard]] bool powered(SimTime now) const { return boards_.driven(now) && !power_.cut_off(); }
-  [[nodiscard]] const std::string& display() const { return boards_.display(); }
-  [[nodiscard]] double charge() const { return power_.pack().charge(); }
-  [[nodiscard]] const std::string& port(wire::Board board) const { return boards_.port(board); }
   /// The state, for a restart of the emulation: to be read on the floor that it was written on.
   void archive(Archive& archive);
 
@@ -68,6 +69,8 @@ class Vehicle {
   void read_tags(SimTime now, Point2 before);
   void book_energy(double dt_s);
   void book_waiting(SimDuration dt);
+  void end_faults(SimTime now);
+  [[nodiscard]] WheelReadings wheel_readings() const;
 
   std::uint32_t number_;
   SimDuration step_max_;
@@ -79,10 +82,17 @@ class Vehicle {
   VehicleBoards boards_;
   TripCounter trip_;
 
+  VehicleFaults faults_;
+  std::uint64_t seed_;
+
   bool awaits_floor_{false};
   bool in_manoeuvre_{false};
-  double drive_energy_j_{0.0};  ///< since the last update of the battery
-  double drive_time_s_{0.0};
+  struct Draw {
+    double energy_j;  ///< of the wheels, since the last update of the battery
+    double time_s;
+    double power_w;  ///< of the wheels, in the last step
+  };
+  Draw draw_{};
   std::vector<TagReader::Reading> readings_;
 };
 

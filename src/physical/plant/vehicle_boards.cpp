@@ -18,14 +18,21 @@ SimDuration phase(std::uint32_t number, std::uint32_t ticks) { return phase_step
 
 }  // namespace
 
-VehicleBoards::VehicleBoards(std::uint32_t number, const PlantNoise& noise, Random range_random)
-    : number_{number}, range_sd_m_{noise.range_sd_m}, range_dropout_{noise.range_dropout}, range_random_{range_random} {
+VehicleBoards::VehicleBoards(std::uint32_t number, const VehicleEquipment& equipment, const PlantNoise& noise,
+                             Random range_random)
+    : number_{number},
+      range_sd_m_{noise.range_sd_m},
+      range_dropout_{noise.range_dropout},
+      range_random_{range_random},
+      pils_{equipment.line_tracking},
+      rali_fitted_{equipment.rali} {
   for (const wire::Board board : wire::all_boards)
     ports_[static_cast<std::size_t>(board) - 1] = wire::port_name(number, board);
 }
 
 void VehicleBoards::power_up(SimTime now, Random sessions) {
   next_event_ = SimTime::min();
+  powered_ = true;
   const auto session = [&] { return static_cast<std::uint32_t>(sessions.next() >> 32U); };
   pils_.power_up(now, session(), phase(number_, 2));
   prav_.power_up(now, session());
@@ -38,7 +45,10 @@ void VehicleBoards::connect(wire::Board board, bool up) {
   link(board).connect(up);
 }
 
+void VehicleBoards::set_reader_failed(bool failed) { prav_.set_reader_failed(failed); }
+
 void VehicleBoards::on_tag(SimTime read_at, std::uint32_t number) {
+  if (!powered_) return;
   next_event_ = std::min(next_event_, read_at);
   prav_.on_tag(read_at, number);
 }
@@ -54,6 +64,7 @@ BoardLink& VehicleBoards::link(wire::Board board) {
 }
 
 void VehicleBoards::on_bytes(SimTime now, wire::Board board, std::string_view bytes) {
+  if (!powered_) return;
   next_event_ = SimTime::min();  // a request may be among them
   switch (board) {
     case wire::Board::PILS: return pils_.on_bytes(now, bytes);
@@ -65,8 +76,11 @@ void VehicleBoards::on_bytes(SimTime now, wire::Board board, std::string_view by
 
 void VehicleBoards::on_frames(SimTime now, const wire::BoardFrames& frames) {
   COSIVA_EXPECT(frames.vehicle() == number_);
+  if (!powered_) return;
   for (const wire::BoardFrames::Frame& frame : frames.frames()) {
-    if (std::holds_alternative<wire::Hello>(frame.message)) next_event_ = SimTime::min();
+    if (std::holds_alternative<wire::Hello>(frame.message) ||
+        std::holds_alternative<wire::SelfTestRequest>(frame.message))
+      next_event_ = SimTime::min();
     switch (frame.board) {
       case wire::Board::PILS: pils_.on_frame(now, frame); break;
       case wire::Board::PRAV: prav_.on_frame(now, frame); break;
@@ -78,13 +92,13 @@ void VehicleBoards::on_frames(SimTime now, const wire::BoardFrames& frames) {
 
 void VehicleBoards::speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
                           wire::Effects& effects) {
-  // Each board would find that nothing is due: half of the time no board has anything to do.
-  if (now < next_event_) return;
+  COSIVA_EXPECT(due(now));
   if (batch_)
     speak_values(now, wheels, scan, power, effects);
   else
     speak_bytes(now, wheels, scan, power, effects);
-  next_event_ = std::min({pils_.next_due(), prav_.next_due(), dobs_.next_due(), rali_.next_due()});
+  next_event_ = std::min({pils_.next_due(), prav_.next_due(), dobs_.next_due()});
+  if (rali_fitted_) next_event_ = std::min(next_event_, rali_.next_due());
   COSIVA_EXPECT(next_event_ > now && out_.empty());
 }
 
@@ -96,6 +110,7 @@ void VehicleBoards::speak_bytes(SimTime now, const WheelReadings& wheels, const 
   send(wire::Board::PRAV, effects);
   tick_dobs(now, scan, out_);
   send(wire::Board::DOBS, effects);
+  if (!rali_fitted_) return;
   rali_.tick(now, power, out_);
   send(wire::Board::RALI, effects);
 }
@@ -108,7 +123,7 @@ void VehicleBoards::speak_values(SimTime now, const WheelReadings& wheels, const
   if (is_due(pils_)) pils_.tick(now, wheels, *batch_);
   if (is_due(prav_)) prav_.tick(now, *batch_);
   if (is_due(dobs_)) tick_dobs(now, scan, *batch_);
-  if (is_due(rali_)) rali_.tick(now, power, *batch_);
+  if (rali_fitted_ && is_due(rali_)) rali_.tick(now, power, *batch_);
   batch_->flush(port(wire::Board::PILS), effects);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
@@ -39,6 +40,7 @@ void SimulatedBoards::on_bytes(SimTime now, wire::Board board, std::string_view 
   COSIVA_EXPECT(of.decoder.counters().frames_bad == 0);
   for (const wire::BoardMessage& message : received_) {
     if (std::holds_alternative<wire::Hello>(message)) of.hello_due = true;
+    if (const auto* request = std::get_if<wire::SelfTestRequest>(&message)) of.self_test_due = request->number;
     const auto* drive = std::get_if<wire::Drive>(&message);
     if (drive == nullptr || board != wire::Board::PILS) continue;
     drive_ = *drive;
@@ -58,6 +60,9 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
     of.out.clear();
     if (of.hello_due) send(board, wire::Hello{board, wire::module_link::version, firmware_hash(board), session_});
     of.hello_due = false;
+    // A simulated board has no parts that could fail.
+    if (const auto number = std::exchange(of.self_test_due, std::nullopt))
+      send(board, wire::SelfTestResult{*number, {{wire::Part::controller}}});
     const auto& counters = of.decoder.counters();
     if (heartbeat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
   }

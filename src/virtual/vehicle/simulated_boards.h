@@ -56,7 +56,8 @@ class SimulatedBoards {
     wire::module_link::Encoder encoder;
     wire::module_link::Decoder decoder;
     bool hello_due{true};  ///< after power-up, or on request
-    std::string out;       ///< keeps its capacity
+    std::optional<std::uint8_t> self_test_due{};
+    std::string out;  ///< keeps its capacity
   };
   struct Reading {
     SimTime read_at;

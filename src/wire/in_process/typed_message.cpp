@@ -42,6 +42,7 @@ Order as_received(Order&& message) { return stamped_in_header(std::move(message)
 
 BoardsReport as_received(BoardsReport&& message) {
   if (message.ranges) message.ranges->board_ms = 0;  // a board's own clock is of no use outside the vehicle
+  if (message.pils) message.pils->board_ms = 0;
   return stamped(std::move(message));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -113,7 +114,61 @@ struct Power {
   friend bool operator==(const Power&, const Power&) = default;
 };
 
-using BoardMessage = std::variant<Hello, Heartbeat, Odometry, Drive, TagRead, Display, Ranges, Power>;
+/// What PILS joins by BRAC (A16), 2 Hz: readings for the operator; nothing on board depends on them.
+struct PilsParts {
+  static constexpr std::size_t sensors = 8;
+  std::uint32_t board_ms{};
+  std::uint16_t supply_mv{};  ///< measured by BRAC, the connection module
+  std::uint8_t plugs{};       ///< connected to BRAC; bit 0: DEMS, bits 1 and 2: left and right motor of PMOT
+  /// Of DEMS' leading row, from right to left; 0: floor … 255: marking.
+  std::array<std::uint8_t, sensors> reading{};
+  struct Motor {
+    std::int16_t speed_mmps{};  ///< of the wheel
+    std::int16_t current_ma{};
+    friend bool operator==(const Motor&, const Motor&) = default;
+  };
+  Motor left{};
+  Motor right{};
+  friend bool operator==(const PilsParts&, const PilsParts&) = default;
+};
+
+/// What a self-test examines.
+enum class Part : std::uint8_t { controller = 1, BRAC, DEMS, PMOT, RFID, AFFI, ranging, regulator };
+inline constexpr std::size_t part_count = 8;
+[[nodiscard]] std::string_view to_string(Part part);
+/// What a self-test finds.
+enum class Finding : std::uint8_t { passed = 0, no_response, implausible, does_not_turn, low_supply };
+inline constexpr std::size_t finding_count = 5;
+[[nodiscard]] std::string_view to_string(Finding finding);
+
+struct PartFinding {
+  Part part{Part::controller};
+  Finding finding{Finding::passed};
+  friend bool operator==(const PartFinding&, const PartFinding&) = default;
+};
+/// The code of a fault in a board's heartbeats.
+[[nodiscard]] constexpr std::uint8_t fault_code(PartFinding fault) {
+  return fault.finding == Finding::passed ? std::uint8_t{0}
+                                          : static_cast<std::uint8_t>(static_cast<unsigned>(fault.part) << 4U |
+                                                                      static_cast<unsigned>(fault.finding));
+}
+/// "DEMS: implausible readings", or "fault 77" for a code that is none of these.
+[[nodiscard]] std::string fault_text(std::uint8_t code);
+
+/// TSVA → board: test each part. Only a vehicle at standstill requests it.
+struct SelfTestRequest {
+  std::uint8_t number{};  ///< of the request; the result has the same
+  friend bool operator==(const SelfTestRequest&, const SelfTestRequest&) = default;
+};
+/// Board → TSVA: the result, once. The heartbeats' code of a fault found earlier is replaced by this result.
+struct SelfTestResult {
+  std::uint8_t number{};
+  std::vector<PartFinding> parts;  ///< at most part_count
+  friend bool operator==(const SelfTestResult&, const SelfTestResult&) = default;
+};
+
+using BoardMessage = std::variant<Hello, Heartbeat, Odometry, Drive, TagRead, Display, Ranges, Power, PilsParts,
+                                  SelfTestRequest, SelfTestResult>;
 
 /// Port names of one vehicle's boards: "1/PILS".
 [[nodiscard]] std::string port_name(std::uint32_t vehicle_number, Board board);

@@ -71,6 +71,16 @@ const std::vector<Golden>& golden() {
       {"Power", 12, Power{7412, -35, 251, 987}, "08 18 0c f4 1c dd ff fb 05 db 03 b5 8d 00"},
       {"Power", 16, Power{7412, -35, 251, 987, Power::Gauge{987'123, 135}},
        "08 18 10 f4 1c dd ff fb 06 db 03 f3 0f 0f 02 87 03 e4 2e 00"},
+      {"PilsParts", 20, PilsParts{1500, 5012, 7, {0, 0, 96, 255, 255, 32, 0, 0}, {-310, 140}, {325, 135}},
+       "05 19 14 dc 05 01 04 94 13 07 01 05 60 ff ff 20 01 04 ca fe 8c 04 45 01 87 03 34 1f 00"},
+      {"SelfTestRequest", 21, SelfTestRequest{3}, "06 1a 15 03 6e 16 00"},
+      {"SelfTestResult", 22,
+       SelfTestResult{3,
+                      {{Part::controller, Finding::passed},
+                       {Part::BRAC, Finding::passed},
+                       {Part::DEMS, Finding::implausible},
+                       {Part::PMOT, Finding::passed}}},
+       "05 1b 16 03 01 02 02 04 03 02 04 03 0c 51 00"},
   };
   return vectors;
 }
@@ -84,6 +94,24 @@ rc::Gen<BoardMessage> any_message() {
     return rc::gen::map(std::move(gen), [](auto m) { return BoardMessage{std::move(m)}; });
   };
   return rc::gen::oneOf(
+      as_message(rc::gen::map(
+          rc::gen::tuple(u32, u16, rc::gen::inRange(0, 8),
+                         rc::gen::container<std::vector<std::uint8_t>>(PilsParts::sensors, u8), i16, i16),
+          [](const auto& t) {
+            const auto& [ms, supply, plugs, readings, left, right] = t;
+            PilsParts parts{ms, supply, static_cast<std::uint8_t>(plugs), {}, {left, right}, {right, left}};
+            std::ranges::copy(readings, parts.reading.begin());
+            return parts;
+          })),
+      as_message(rc::gen::map(u8, [](std::uint8_t number) { return SelfTestRequest{number}; })),
+      as_message(
+          rc::gen::map(rc::gen::tuple(u8, rc::gen::inRange<std::size_t>(0, part_count + 1), rc::gen::inRange(0, 5)),
+                       [](const auto& t) {
+                         SelfTestResult result{std::get<0>(t), {}};
+                         for (std::size_t i = 1; i <= std::get<1>(t); ++i)
+                           result.parts.push_back({static_cast<Part>(i), static_cast<Finding>(std::get<2>(t))});
+                         return result;
+                       })),
       as_message(rc::gen::map(rc::gen::tuple(rc::gen::inRange(0, 4), u8, u32, u32),
                               [](const auto& t) {
                                 return Hello{all_boards[static_cast<std::size_t>(std::get<0>(t))], std::get<1>(t),
@@ -226,7 +254,7 @@ TEST(Decode, names_what_is_wrong) {
   EXPECT_EQ(code_of("\x05\x14\x01\x02\x03"), "link.crc");
   EXPECT_EQ(code_of(framed("\x24\x01")), "link.version");
   EXPECT_EQ(code_of(framed("\x10\x01")), "link.type");
-  EXPECT_EQ(code_of(framed("\x19\x01")), "link.type");
+  EXPECT_EQ(code_of(framed("\x1C\x01")), "link.type");
 }
 
 TEST(Decode, requires_the_exact_length) {
@@ -254,6 +282,11 @@ TEST(Decode, requires_the_exact_length) {
         EXPECT_EQ(code_of(framed(content)), expected) << payload;
         continue;
       }
+      if (std::holds_alternative<SelfTestResult>(vector.message)) {  // part 1 with finding 1, up to eight times
+        const bool fits = payload % 2 == 1 && payload <= 17;
+        EXPECT_EQ(code_of(framed(content)), fits ? "none" : "link.length") << payload;
+        continue;
+      }
       const std::size_t right = encode(vector.message, 1).size() - 6;
       EXPECT_EQ(code_of(framed(content)), payload == right ? "none" : "link.length") << vector.name << ' ' << payload;
     }
@@ -277,6 +310,28 @@ TEST(Decode, refuses_values_out_of_range) {
   const std::string gauge = "\x18\x01" + std::string(6, '\1') + "\xE8\x03";
   EXPECT_EQ(code_of(framed(gauge + std::string("\x40\x42\x0F\0\1\0", 6))), "none");        // 1 000 000 ppm
   EXPECT_EQ(code_of(framed(gauge + std::string("\x41\x42\x0F\0\1\0", 6))), "link.value");  // and one more
+}
+
+TEST(Decode, refuses_readings_of_pils_parts_of_another_length_or_with_unknown_plugs) {
+  const std::string head(6, '\1');
+  EXPECT_EQ(code_of(framed("\x19\x01" + head + "\x07" + std::string(16, '\1'))), "none");
+  EXPECT_EQ(code_of(framed("\x19\x01" + head + "\x08" + std::string(16, '\1'))), "link.value");
+  EXPECT_EQ(code_of(framed("\x19\x01" + head + "\x07" + std::string(15, '\1'))), "link.length");
+  EXPECT_EQ(code_of(framed("\x19\x01" + head + "\x07" + std::string(17, '\1'))), "link.length");
+}
+
+TEST(Decode, refuses_results_of_self_tests_with_half_a_part_too_many_or_unknown_ones) {
+  EXPECT_EQ(code_of(framed("\x1A\x01\x05")), "none");
+  EXPECT_EQ(code_of(framed("\x1A\x01\x05\x05")), "link.length");
+  EXPECT_EQ(code_of(framed("\x1B\x01")), "link.length");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05")), "none");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05\x08\x04")), "none");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05\x08")), "link.length");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05\x09\x04")), "link.value");
+  EXPECT_EQ(code_of(framed(std::string("\x1B\x01\x05\x00\x04", 5))), "link.value");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05\x08\x05")), "link.value");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05" + std::string(16, '\1'))), "none");
+  EXPECT_EQ(code_of(framed("\x1B\x01\x05" + std::string(18, '\1'))), "link.length");
 }
 
 TEST(Decode, requires_a_manoeuvre_where_the_flags_announce_one_and_nowhere_else) {
@@ -479,7 +534,7 @@ TEST(Decode, states_the_bytes_and_values_that_it_expects) {
             "the board is 0, expected 1 to 4");
   EXPECT_EQ(message_of("\x03\x11\x22"), "the frame holds 2 bytes, expected 4 or more");
   EXPECT_EQ(message_of(framed("\x24\x01")), "the frame has version 2, expected 1");
-  EXPECT_EQ(message_of(framed("\x19\x01")), "message type 9 is not known, expected 1 to 8");
+  EXPECT_EQ(message_of(framed("\x1C\x01")), "message type 12 is not known, expected 1 to 11");
 }
 
 TEST(Decode, accepts_a_frame_without_payload) {

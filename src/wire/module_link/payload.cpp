@@ -79,9 +79,40 @@ struct Write {
     out.put(m.gauge->charge_ppm);
     out.put(m.gauge->charge_sd_01);
   }
+  void operator()(const PilsParts& m) const {
+    out.put(m.board_ms);
+    out.put(m.supply_mv);
+    out.put(m.plugs);
+    for (const std::uint8_t reading : m.reading) out.put(reading);
+    for (const PilsParts::Motor& motor : {m.left, m.right}) {
+      out.put(motor.speed_mmps);
+      out.put(motor.current_ma);
+    }
+  }
+  void operator()(const SelfTestRequest& m) const { out.put(m.number); }
+  void operator()(const SelfTestResult& m) const {
+    COSIVA_EXPECT(m.parts.size() <= part_count);
+    out.put(m.number);
+    for (const PartFinding& part : m.parts) {
+      out.put(static_cast<std::uint8_t>(part.part));
+      out.put(static_cast<std::uint8_t>(part.finding));
+    }
+  }
 };
 
-enum Type : std::uint8_t { hello = 1, heartbeat, odometry, drive, tag_read, display, ranges, power };
+enum Type : std::uint8_t {
+  hello = 1,
+  heartbeat,
+  odometry,
+  drive,
+  tag_read,
+  display,
+  ranges,
+  power,
+  pils_parts,
+  self_test_request,
+  self_test_result
+};
 
 /// The only valid length; nothing where the length varies.
 std::optional<std::size_t> fixed_length(std::uint8_t type) {
@@ -89,6 +120,8 @@ std::optional<std::size_t> fixed_length(std::uint8_t type) {
     case hello:
     case tag_read: return 10;
     case heartbeat: return 9;
+    case pils_parts: return 23;
+    case self_test_request: return 1;
     default: return std::nullopt;
   }
 }
@@ -215,6 +248,36 @@ Result<BoardMessage> read_power(std::span<const std::uint8_t> payload) {
   return m;
 }
 
+Result<BoardMessage> read_pils_parts(PayloadReader in) {
+  constexpr std::uint8_t plugs_max = 7;
+  PilsParts m;
+  m.board_ms = in.take<std::uint32_t>();
+  m.supply_mv = in.take<std::uint16_t>();
+  m.plugs = in.take<std::uint8_t>();
+  if (m.plugs > plugs_max) return wrong_value("the plugs", m.plugs, "0 to 7");
+  for (std::uint8_t& reading : m.reading) reading = in.take<std::uint8_t>();
+  for (PilsParts::Motor* motor : {&m.left, &m.right}) {
+    motor->speed_mmps = in.take<std::int16_t>();
+    motor->current_ma = in.take<std::int16_t>();
+  }
+  return m;
+}
+
+Result<BoardMessage> read_self_test(std::span<const std::uint8_t> payload) {
+  if (payload.empty() || payload.size() > 1 + 2 * part_count || payload.size() % 2 == 0)
+    return wrong_length(payload.size(), "1 and 2 for each of at most 8 parts");
+  PayloadReader in{payload};
+  SelfTestResult m{in.take<std::uint8_t>(), {}};
+  for (std::size_t left = payload.size() / 2; left > 0; --left) {
+    const auto part = in.take<std::uint8_t>();
+    const auto finding = in.take<std::uint8_t>();
+    if (part < 1 || part > part_count) return wrong_value("the part", part, "1 to 8");
+    if (finding >= finding_count) return wrong_value("the finding", finding, "0 to 4");
+    m.parts.push_back({static_cast<Part>(part), static_cast<Finding>(finding)});
+  }
+  return m;
+}
+
 }  // namespace
 
 std::size_t display_bytes(std::string_view text) {
@@ -239,7 +302,10 @@ Result<BoardMessage> read_payload(std::uint8_t type, std::span<const std::uint8_
     case display: return read_display(payload);
     case ranges: return read_ranges(payload);
     case power: return read_power(payload);
-    default: return fail("link.type", "message type " + std::to_string(type) + " is not known, expected 1 to 8");
+    case pils_parts: return read_pils_parts(in);
+    case self_test_request: return SelfTestRequest{PayloadReader{payload}.take<std::uint8_t>()};
+    case self_test_result: return read_self_test(payload);
+    default: return fail("link.type", "message type " + std::to_string(type) + " is not known, expected 1 to 11");
   }
 }
 

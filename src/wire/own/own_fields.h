@@ -96,6 +96,8 @@ class Fields {
     for (std::size_t i = 0; i < items->size() && !error_; ++i)
       take((*items)[i], std::string(field) + "." + std::to_string(i));
   }
+  /// A field's name in the whole message.
+  [[nodiscard]] std::string location(const std::string& field) const { return where_ + field; }
   /// Nothing where the field is missing or null, or an earlier field was wrong.
   [[nodiscard]] const JsonValue* optional(std::string_view field) {
     if (error_) return nullptr;

@@ -51,6 +51,24 @@ std::optional<std::uint32_t> parse_hex(std::string_view text) {
   return number;
 }
 
+/// The number of a term in an enumeration that begins with `first`.
+template <typename Term>
+void read_term(Fields& in, const char* field, unsigned first, std::size_t count, Term& term) {
+  std::string word;
+  in.text(field, word);
+  for (unsigned i = first; i < first + count; ++i) {
+    if (to_string(static_cast<Term>(i)) != word) continue;
+    term = static_cast<Term>(i);
+    return;
+  }
+  in.report_fault(field, "a term of docs/protocols/module-link.md");
+}
+
+void read_part_finding(Fields& in, PartFinding& part) {
+  read_term(in, "part", 1, part_count, part.part);
+  read_term(in, "finding", 0, finding_count, part.finding);
+}
+
 void read_line(Fields& in, BoardsReport::Line& line) {
   std::string word;
   in.text("board", word);
@@ -58,8 +76,8 @@ void read_line(Fields& in, BoardsReport::Line& line) {
   if (!board) in.report_fault("board", "PILS, PRAV, DOBS or RALI");
   line.board = board.value_or(Board{});
   in.text("health", line.health);
-  if (line.health != "ok" && line.health != "lost" && line.health != "faulty")
-    in.report_fault("health", "ok, lost or faulty");
+  if (line.health != "ok" && line.health != "lost" && line.health != "faulty" && line.health != "absent")
+    in.report_fault("health", "ok, lost, faulty or absent");
   in.text("firmware", word);
   const auto firmware = parse_hex(word);
   if (!firmware) in.report_fault("firmware", "eight hexadecimal digits");
@@ -69,6 +87,29 @@ void read_line(Fields& in, BoardsReport::Line& line) {
   in.whole("framesBad", line.frames_bad);
   in.whole("framesMissed", line.frames_missed);
   in.whole("selfTest", line.self_test);
+  if (!in.has("parts")) return;
+  in.list("parts", part_count, [&](const JsonValue& item, const std::string& name) {
+    Fields fields{item, in.location(name) + "."};
+    read_part_finding(fields, line.parts.emplace_back());
+    in.take_over(fields.error());
+  });
+}
+
+void read_pils(Fields& in, PilsParts& parts) {
+  in.counted("supply", 1e-3, parts.supply_mv);
+  in.whole("plugs", parts.plugs);
+  std::size_t count = 0;
+  in.list("dems", PilsParts::sensors, [&](const JsonValue& item, const std::string& name) {
+    const double* reading = item.number();
+    if (reading == nullptr || !(*reading >= 0.0 && *reading <= 255.0) || *reading != std::floor(*reading))
+      return in.report_fault(name, "a whole number from 0 to 255");
+    parts.reading[count++] = static_cast<std::uint8_t>(*reading);
+  });
+  if (count != PilsParts::sensors) in.report_fault("dems", "8 readings");
+  in.counted("leftSpeed", 1e-3, parts.left.speed_mmps);
+  in.counted("leftCurrent", 1e-3, parts.left.current_ma);
+  in.counted("rightSpeed", 1e-3, parts.right.speed_mmps);
+  in.counted("rightCurrent", 1e-3, parts.right.current_ma);
 }
 
 void read_power(Fields& in, Power& power) {
@@ -188,6 +229,17 @@ Result<DetectedObstacleReport> detected_obstacle_from_json(std::string_view text
   });
 }
 
+void write_pils(JsonWriter& json, const PilsParts& parts) {
+  json.begin_object().field("supply", parts.supply_mv / 1000.0).field("plugs", parts.plugs).key("dems").begin_array();
+  for (const std::uint8_t reading : parts.reading) json.value(reading);
+  json.end_array()
+      .field("leftSpeed", parts.left.speed_mmps / 1000.0)
+      .field("leftCurrent", parts.left.current_ma / 1000.0)
+      .field("rightSpeed", parts.right.speed_mmps / 1000.0)
+      .field("rightCurrent", parts.right.current_ma / 1000.0)
+      .end_object();
+}
+
 std::string to_json(const BoardsReport& report) {
   JsonWriter json;
   json.begin_object()
@@ -204,8 +256,14 @@ std::string to_json(const BoardsReport& report) {
         .field("frames", line.frames)
         .field("framesBad", line.frames_bad)
         .field("framesMissed", line.frames_missed)
-        .field("selfTest", line.self_test)
-        .end_object();
+        .field("selfTest", line.self_test);
+    if (!line.parts.empty()) {
+      json.key("parts").begin_array();
+      for (const PartFinding& part : line.parts)
+        json.begin_object().field("part", to_string(part.part)).field("finding", to_string(part.finding)).end_object();
+      json.end_array();
+    }
+    json.end_object();
   }
   json.end_array();
   // Divided, not multiplied: 7.4 stays 7.4 and not 7.4000000000000004.
@@ -235,6 +293,8 @@ std::string to_json(const BoardsReport& report) {
     }
     json.end_array().end_object();
   }
+  if (const auto& pils = report.pils) write_pils(json.key("pils"), *pils);
+  if (!report.affi.empty()) json.field("affi", report.affi);
   return json.end_object().take();
 }
 
@@ -249,6 +309,8 @@ Result<BoardsReport> boards_report_from_json(std::string_view text) {
     });
     read_part(in, "power", report.power, read_power);
     read_part(in, "ranges", report.ranges, read_ranges);
+    read_part(in, "pils", report.pils, read_pils);
+    if (in.has("affi")) in.text("affi", report.affi);
   });
 }
 

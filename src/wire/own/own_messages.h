@@ -13,6 +13,10 @@
 /// CoSiVA's own messages between server and vehicles, for what VDA 5050 does not define (topics.h). JSON, metres,
 /// radians, m/s, ISO 8601 times. Readers accept unknown fields and refuse wrong types, numbers that are not finite and
 /// lists that are too long ("own.field", naming the field); a refused message stops nothing.
+namespace cosiva {
+class JsonWriter;
+}
+
 namespace cosiva::wire {
 
 /// A body in the plane: all points within `radius_m` of a segment of `length_m` through its centre, along its heading.
@@ -82,18 +86,21 @@ struct BoardsReport {
   SimTime timestamp{};
   struct Line {
     Board board{};
-    std::string health;  ///< "ok", "lost", "faulty"
+    std::string health;  ///< "ok", "lost", "faulty"; "absent": the vehicle is equipped without this board
     std::uint32_t firmware_hash{};
     std::uint32_t uptime_ms{};
-    std::uint64_t frames{};         ///< good ones received from it
-    std::uint32_t frames_bad{};     ///< by either side
-    std::uint32_t frames_missed{};  ///< by either side
-    std::uint8_t self_test{};       ///< 0: passed
+    std::uint64_t frames{};            ///< good ones received from it
+    std::uint32_t frames_bad{};        ///< by either side
+    std::uint32_t frames_missed{};     ///< by either side
+    std::uint8_t self_test{};          ///< 0: passed
+    std::vector<PartFinding> parts{};  ///< of the last self-test that was requested; none: no result
     friend bool operator==(const Line&, const Line&) = default;
   };
   std::vector<Line> boards;
   std::optional<Power> power;
-  std::optional<Ranges> ranges;  ///< the last
+  std::optional<Ranges> ranges;     ///< the last
+  std::optional<PilsParts> pils{};  ///< what PILS' parts measure
+  std::string affi{};               ///< the text on the display; empty: none yet
   friend bool operator==(const BoardsReport&, const BoardsReport&) = default;
 };
 
@@ -108,6 +115,8 @@ struct Radio {
 [[nodiscard]] std::string to_json(const VirtualObstaclesAck& perceived);
 [[nodiscard]] std::string to_json(const DetectedObstacleReport& detected);
 [[nodiscard]] std::string to_json(const BoardsReport& report);
+/// What the parts of PILS measure, as an object, in SI units.
+void write_pils(JsonWriter& json, const PilsParts& parts);
 [[nodiscard]] std::string to_json(const Radio& radio);
 [[nodiscard]] Result<VirtualObstacles> virtual_obstacles_from_json(std::string_view json);
 [[nodiscard]] Result<VirtualObstaclesAck> virtual_obstacles_ack_from_json(std::string_view json);

@@ -77,6 +77,17 @@ BoardsReport draw_report(Random& random) {
     const std::size_t beams = random.next() % 33;
     for (std::size_t i = 0; i < beams; ++i) report.ranges->range_mm.push_back(whole<std::uint16_t>(random));
   }
+  if (coin(random)) {
+    report.boards.front().parts = {{Part::DEMS, Finding::implausible}, {Part::PMOT, Finding::passed}};
+    report.boards.back().health = "absent";
+    report.affi = "AIV 3 \"été\"";
+    PilsParts& pils = report.pils.emplace();
+    pils.supply_mv = whole<std::uint16_t>(random);
+    pils.plugs = static_cast<std::uint8_t>(random.below(8));
+    for (std::uint8_t& reading : pils.reading) reading = whole<std::uint8_t>(random);
+    pils.left = {whole<std::int16_t>(random), whole<std::int16_t>(random)};
+    pils.right = {whole<std::int16_t>(random), whole<std::int16_t>(random)};
+  }
   return report;
 }
 Radio draw_radio(Random& random) { return {coin(random) ? "*" : "CoSiVA/" + name(random), random.uniform(0, 1)}; }
@@ -132,6 +143,16 @@ TEST(OwnMessages, are_written_as_their_document_shows) {
             R"("firmware":"1a2b3c4d","uptime_ms":61000,"frames":3050,"framesBad":0,"framesMissed":0,"selfTest":0}],)"
             R"("power":{"voltage":12.1,"current":0.4,"temperature":24,"charge":87},)"
             R"("ranges":{"first":-0.5,"width":0.1,"m":[0.4,null]}})");
+  BoardsReport parts{9, at, {}, std::nullopt, std::nullopt};
+  parts.boards.push_back({Board::PILS, "faulty", 1, 2, 3, 4, 5, 0x32, {{Part::DEMS, Finding::implausible}}});
+  parts.pils = PilsParts{7, 5012, 7, {0, 0, 96, 255, 255, 32, 0, 0}, {-310, 140}, {325, 135}};
+  parts.affi = "AIV1 normal 0.3";
+  EXPECT_EQ(to_json(parts),
+            R"({"headerId":9,"timestamp":"2026-01-01T00:00:00.004Z","boards":[{"board":"PILS","health":"faulty",)"
+            R"("firmware":"00000001","uptime_ms":2,"frames":3,"framesBad":4,"framesMissed":5,"selfTest":50,)"
+            R"("parts":[{"part":"DEMS","finding":"implausible readings"}]}],)"
+            R"("pils":{"supply":5.012,"plugs":7,"dems":[0,0,96,255,255,32,0,0],"leftSpeed":-0.31,"leftCurrent":0.14,)"
+            R"("rightSpeed":0.325,"rightCurrent":0.135},"affi":"AIV1 normal 0.3"})");
   EXPECT_EQ(to_json(Radio{"CoSiVA/AIV2", 0.3}), R"({"vehicle":"CoSiVA/AIV2","loss":0.3})");
 }
 
@@ -242,6 +263,27 @@ TEST(OwnMessages, refuse_an_ack_or_a_detected_obstacle_with_wrong_fields) {
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("clear":0.5)", R"("clear":-0.5)"), "own.field clear");
   EXPECT_EQ(fault(detected, detected_obstacle_from_json, R"("obstacle":{)", R"("obstacle":7,"other":{)"),
             "own.field obstacle.");
+}
+
+TEST(OwnMessages, refuse_readings_of_pils_parts_with_wrong_fields) {
+  const std::string head = R"({"headerId":9,"timestamp":"2026-01-01T00:00:00.004Z","boards":[{"board":"PILS",)"
+                           R"("health":"ok","firmware":"00000001","uptime_ms":2,"frames":3,"framesBad":0,)"
+                           R"("framesMissed":0,"selfTest":0)";
+  const auto fault_of = [&](const std::string& rest) {
+    const auto report = boards_report_from_json(head + rest);
+    return report ? std::string("none") : report.error().code + " " + report.error().location;
+  };
+  const std::string motors = R"(,"leftSpeed":0,"leftCurrent":0,"rightSpeed":0,"rightCurrent":0}})";
+  EXPECT_EQ(fault_of(R"(}],"pils":{"supply":5,"plugs":7,"dems":[0,1,2,3,4,5,6,255])" + motors), "none");
+  EXPECT_EQ(fault_of(R"(}],"pils":{"supply":5,"plugs":7,"dems":[0,1,2,3,4,5,6])" + motors), "own.field pils.dems");
+  EXPECT_EQ(fault_of(R"(}],"pils":{"supply":5,"plugs":7,"dems":[0,1,2,3,4,5,6,256])" + motors),
+            "own.field pils.dems.7");
+  EXPECT_EQ(fault_of(R"(}],"pils":{"supply":5,"plugs":7,"dems":[0,1,2,3,4,5,6,1.5])" + motors),
+            "own.field pils.dems.7");
+  EXPECT_EQ(fault_of(R"(,"parts":[{"part":"DEMS","finding":"passed"}]}]})"), "none");
+  EXPECT_EQ(fault_of(R"(,"parts":[{"part":"DEM","finding":"passed"}]}]})"), "own.field boards.0.parts.0.part");
+  EXPECT_EQ(fault_of(R"(,"parts":[{"part":"DEMS","finding":"broken"}]}]})"), "own.field boards.0.parts.0.finding");
+  EXPECT_EQ(fault_of(R"(}],"affi":7})"), "own.field affi");
 }
 
 TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {

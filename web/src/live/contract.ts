@@ -105,6 +105,10 @@ export interface Aiv extends Pose {
   reserved: readonly Point[];
   /** absent if the vehicle does not report its boards */
   boards?: readonly BoardHealth[];
+  /** what BRAC, DEMS and PMOT, the parts of PILS, measure */
+  pils?: { supply: number; dems: readonly number[]; leftSpeed: number; rightSpeed: number; leftCurrent: number; rightCurrent: number };
+  /** the text on the display AFFI */
+  affi?: string;
   power?: { voltage_v: number; current_a: number; temperature_c: number };
   /** the last scan of the obstacle sensor: beam i points to first + i·width [rad]; null: no obstacle in range */
   ranges?: { first: number; width: number; m: readonly (number | null)[] };
@@ -122,13 +126,16 @@ export interface Aiv extends Pose {
 
 export interface BoardHealth {
   board: string;
-  health: 'ok' | 'lost' | 'faulty';
+  /** absent: the vehicle is equipped without this board */
+  health: 'ok' | 'lost' | 'faulty' | 'absent';
   firmware: string;
   uptime_ms: number;
   frames: number;
   framesBad: number;
   framesMissed: number;
   selfTest: number;
+  /** what the self-test code means; absent without a fault */
+  fault?: string;
 }
 
 export type Repeat = 'once' | 'back and forth' | 'loop';

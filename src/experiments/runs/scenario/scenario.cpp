@@ -33,11 +33,24 @@ constexpr NumberRange ratio{"a ratio from 0 to 1, such as 0.3", 0.0, 1.0};
 
 constexpr double virtual_object_radius_m = 0.05;
 
-const std::vector<std::string_view> actions{
-    "command", "go",    "circulate", "person", "virtual_aiv", "virtual_obstacle", "physical_obstacle", "move",
-    "remove",  "close", "open",      "switch", "radio",       "priority"};
-const std::vector<std::string_view> vehicle_commands{"stop",   "slow",    "medium",  "fast",  "restart",
-                                                     "cancel", "exclude", "include", "retire"};
+const std::vector<std::string_view> actions{"command",
+                                            "go",
+                                            "circulate",
+                                            "person",
+                                            "virtual_aiv",
+                                            "virtual_obstacle",
+                                            "physical_obstacle",
+                                            "move",
+                                            "remove",
+                                            "close",
+                                            "open",
+                                            "switch",
+                                            "radio",
+                                            "priority",
+                                            "fault"};
+const std::vector<std::string_view> vehicle_commands{"stop",   "slow",    "medium",  "fast",   "restart",
+                                                     "cancel", "exclude", "include", "retire", "self-test"};
+const std::vector<std::string_view> module_faults{"stuck_sensor", "dead_motor", "failed_reader", "brown_out", "none"};
 const std::vector<std::string_view> repeats{"once", "back and forth", "loop"};
 
 std::string at_text(Point2 p) { return "(" + toml_number(p.x_m) + ", " + toml_number(p.y_m) + ")"; }
@@ -55,6 +68,37 @@ std::string rounded(double metres) { return toml_number(std::round(metres * 100.
 void begin_virtual_object(JsonWriter& json, std::string_view id, std::string_view kind) {
   json.begin_object().field("command", "add").key("virtualObject").begin_object();
   json.field("id", id).field("kind", kind);
+}
+
+/// The command of a fault of a vehicle's modules, and its text for display.
+struct FaultStep {
+  std::string command;
+  std::string what;
+};
+FaultStep fault_step(const Entry& fields, const std::string& vehicle) {
+  fields.expect_only({"vehicle", "kind", "for_s", "sensor", "reading", "motor"});
+  const std::string name = vehicle.substr(vehicle.find('/') + 1);
+  const std::string kind = fields.one_of("kind", module_faults);
+  JsonWriter json;
+  json.begin_object().field("command", "plant").key("plant").begin_object().key("setFault").begin_object();
+  json.field("vehicle", vehicle).field("fault", kind);
+  std::string what = name + (kind == "none" ? " has no fault any more" : ": " + kind);
+  const auto only_for = [&](const char* field, std::string_view of) {
+    if (fields.has(field) && kind != of)
+      fields.fault(field, "scenario.field", "this field belongs to " + std::string(of));
+    return fields.has(field) && kind == of;
+  };
+  if (only_for("sensor", "stuck_sensor")) json.field("sensor", fields.whole("sensor", 0, 7));
+  if (only_for("reading", "stuck_sensor")) json.field("reading", fields.whole("reading", 0, 255));
+  if (only_for("motor", "dead_motor")) json.field("motor", fields.one_of("motor", {"left", "right"}));
+  if (fields.has("for_s") || kind == "brown_out") {
+    constexpr NumberRange brown_out_s{"seconds over 0, at most 10", 0.0, 10.0, false};
+    const double for_s = fields.number("for_s", kind == "brown_out" ? brown_out_s : duration_range_s);
+    json.field("for_s", for_s);
+    what += " for " + toml_number(for_s) + " s";
+  }
+  json.end_object().end_object().end_object();
+  return {json.take(), std::move(what)};
 }
 
 /// Reads one file. Entries are read in time order, because `move` and `remove` refer to the objects present at their
@@ -151,6 +195,10 @@ class Reader {
     if (action == "physical_obstacle") return read_physical_obstacle(*fields);
     if (action == "move") return read_move(*fields);
     if (action == "radio") return read_radio(*fields);
+    if (action == "fault") {
+      FaultStep step = fault_step(*fields, vehicle_id(*fields, "vehicle", fields->text("vehicle", 130)));
+      return plan(std::move(step.command), std::move(step.what), now_);
+    }
     return read_priority(*fields);
   }
 

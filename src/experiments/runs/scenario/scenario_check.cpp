@@ -317,6 +317,12 @@ class Checker {
   }
 
   void evaluate_plant(const JsonValue& plant) {
+    if (const JsonValue* given = plant.find("setFault")) {
+      const std::string id = given->text("vehicle").value_or("");
+      if (id.starts_with(std::string(wire::our_manufacturer) + "/AIV")) return evaluate_vehicle(id, "fault.vehicle");
+      return fault("fault.vehicle", "scenario.fault",
+                   "only vehicles of the emulated world have faults: AIV1 to AIV" + std::to_string(scenario_.aivs));
+    }
     const JsonValue* added = plant.find("addObstacle");
     if (added == nullptr) return evaluate_remove(plant.text("removeObstacle").value_or(""), true);
     const std::string id = added->text("id").value_or("");

@@ -88,6 +88,34 @@ TEST(Scenario, commands_are_sent_to_one_to_several_and_to_all) {
                           R"({"command":"medium","vehicle":"CoSiVA/AIV3"})"));
 }
 
+TEST(Scenario, faults_of_a_vehicle_s_modules_are_commands_to_the_emulated_plant) {
+  EXPECT_THAT(
+      commands(at(0, R"(fault = { vehicle = "AIV2", kind = "stuck_sensor", sensor = 3, reading = 0, for_s = 5 })") +
+               at(1, R"(fault = { vehicle = "AIV1", kind = "dead_motor", motor = "right" })") +
+               at(2, R"(fault = { vehicle = "AIV1", kind = "brown_out", for_s = 1.5 })") +
+               at(3, R"(fault = { vehicle = "AIV1", kind = "none" })")),
+      ElementsAre(
+          R"({"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV2","fault":"stuck_sensor","sensor":3,"reading":0,"for_s":5}}})",
+          R"({"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV1","fault":"dead_motor","motor":"right"}}})",
+          R"({"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV1","fault":"brown_out","for_s":1.5}}})",
+          R"({"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV1","fault":"none"}}})"));
+  EXPECT_THAT(phrase(at(0, R"(fault = { vehicle = "AIV2", kind = "failed_reader", for_s = 5 })")),
+              ElementsAre("AIV2: failed_reader for 5 s"));
+}
+
+TEST(Scenario, a_fault_with_a_wrong_field_names_it) {
+  const auto error = [](const std::string& fields) {
+    const auto scenario = read(at(0, "fault = { vehicle = \"AIV1\", " + fields + " }"));
+    return scenario ? std::string("none") : to_string(scenario.error());
+  };
+  EXPECT_THAT(error(R"(kind = "dead_moter")"), HasSubstr("did you mean \"dead_motor\"?"));
+  EXPECT_THAT(error(R"(kind = "brown_out")"), HasSubstr("for_s"));
+  EXPECT_THAT(error(R"(kind = "brown_out", for_s = 11)"), HasSubstr("seconds over 0, at most 10"));
+  EXPECT_THAT(error(R"(kind = "stuck_sensor", sensor = 8)"), HasSubstr("sensor"));
+  EXPECT_THAT(error(R"(kind = "dead_motor", motor = "both")"), HasSubstr("motor"));
+  EXPECT_THAT(error(R"(kind = "dead_motor", sensor = 1)"), HasSubstr("this field belongs to stuck_sensor"));
+}
+
 TEST(Scenario, a_virtual_AIV_is_referred_to_by_its_id_anywhere_in_the_file) {
   EXPECT_THAT(commands(at(9, "command = \"fast\"\nvehicle = \"V1\"") + at(1, "virtual_aiv = { id = \"V1\" }")),
               ElementsAre(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv"}})",

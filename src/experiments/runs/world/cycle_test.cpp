@@ -33,25 +33,32 @@ double driven_m(const World& world) {
   return sum_m;
 }
 
-/// The distance that a fleet drives in such a cycle, compared with that at the live rate.
-double ratio_driven(std::uint32_t aivs, SimDuration cycle) {
-  const auto live = world_with(fleet(aivs, std::nullopt));
-  const auto slow = world_with(fleet(aivs, cycle));
-  live->run_for(200s);
-  slow->run_for(200s);
-  EXPECT_THAT(slow->plant().collisions(), ::testing::IsEmpty()) << aivs << " AIVs";
-  for (const auto& v : slow->plant().vehicles()) EXPECT_GT(v.distance_m, 30.0) << "AIV" << v.number;
-  return driven_m(*slow) / driven_m(*live);
+/// The distance that fleets of these seeds drive in such a cycle, compared with that at the live rate.
+double ratio_driven(std::uint32_t aivs, SimDuration cycle, std::uint64_t seeds = 1) {
+  double live_m = 0.0;
+  double slow_m = 0.0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto live = world_with(fleet(aivs, std::nullopt, seed));
+    const auto slow = world_with(fleet(aivs, cycle, seed));
+    live->run_for(200s);
+    slow->run_for(200s);
+    EXPECT_THAT(slow->plant().collisions(), ::testing::IsEmpty()) << aivs << " AIVs";
+    for (const auto& v : slow->plant().vehicles()) EXPECT_GT(v.distance_m, 30.0) << "AIV" << v.number;
+    live_m += driven_m(*live);
+    slow_m += driven_m(*slow);
+  }
+  return slow_m / live_m;
 }
 
 TEST(Cycle, at_ten_hertz_a_sparse_fleet_drives_as_far_as_at_the_live_rate) {
   EXPECT_NEAR(ratio_driven(4, 100ms), 1.0, 0.005);
 }
 
-/// Where crossings are rarely free, every tenth of a second until a vehicle is known to have left one matters.
+/// Where crossings are rarely free, every tenth of a second until a vehicle is known to have left one matters. The
+/// order at the crossings differs from run to run, and with it the distance: by some percent in a single run.
 TEST(CycleStatistics, at_ten_hertz_a_crowded_fleet_loses_some_distance_and_at_twenty_almost_none) {
-  EXPECT_NEAR(ratio_driven(12, 100ms), 0.94, 0.04);
-  EXPECT_NEAR(ratio_driven(12, 50ms), 1.0, 0.04);
+  EXPECT_NEAR(ratio_driven(12, 100ms, 4), 0.94, 0.04);
+  EXPECT_NEAR(ratio_driven(12, 50ms, 4), 1.0, 0.04);
 }
 
 TEST(CycleStatistics, at_ten_hertz_there_is_no_collision_among_persons_stops_and_lost_messages) {

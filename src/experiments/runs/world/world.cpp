@@ -116,6 +116,7 @@ Result<std::unique_ptr<physical::PlantCore>> make_plant(const WorldOptions& opti
   plant.vehicles = options.aivs;
   plant.seed = options.seed;
   plant.noise = options.noise;
+  plant.equipment = options.equipment;
   plant.publish_ground_truth = options.ground_truth;
   plant.as_values = options.as_values;
   plant.cycle = options.cycle.value_or(plant.cycle);
@@ -390,6 +391,7 @@ struct World::Impl {
     onboard.rtm = options.rtm;
     onboard.rules = options.rules;
     onboard.v2x = options.v2x;
+    onboard.rali = number > options.equipment.size() || options.equipment[number - 1].rali;
     onboard.as_values = options.as_values;
     onboard.cycle = options.cycle.value_or(onboard.cycle);
     if (first_time) {

@@ -36,6 +36,7 @@ struct WorldOptions {
   physical::PlantNoise noise;
   aiv::SpeedRules rules;  ///< of the physical AIVs; virtual AIVs have the server's
   bool v2x{true};         ///< likewise
+  std::vector<physical::VehicleEquipment> equipment{};  ///< as PlantOptions::equipment
   virtual_side::ServerOptions server;
   /// Orders, frequent messages of vehicles and the frames of their boards are passed on as values, without writing or
   /// reading texts and bytes (wire/in_process/typed_message.h, board_frames.h): the same run, to the last bit of all

@@ -44,6 +44,8 @@ std::optional<std::string> Commands::impossible(VehicleIndex vehicle, OperatorCo
   const AivProxy& proxy = registry_[vehicle];
   if (sets_speed(kind) && proxy.supports("setSpeedLimit") == std::optional{false})
     return proxy.name() + " does not support setSpeedLimit (its factsheet does not list it); it can only be stopped";
+  if (kind == OperatorCommandKind::self_test && proxy.supports("selfTest") == std::optional{false})
+    return proxy.name() + " does not support selfTest (its factsheet does not list it)";
   return std::nullopt;
 }
 
@@ -51,7 +53,7 @@ Result<void> Commands::check(const VehicleCommand& requested) const {
   if (!requested.kind) {
     return fail("command.unknown",
                 "there is no command '" + requested.command_text +
-                    "'; use stop, slow, medium, fast, limit, restart, cancel, exclude, include or retire",
+                    "'; use stop, slow, medium, fast, limit, restart, cancel, exclude, include, retire or self-test",
                 "command");
   }
   if (requested.all()) {
@@ -201,6 +203,7 @@ void Commands::begin(Command command) {
       actions.push_back(action("setSpeedLimit"));
       actions.back().parameters.push_back({"maxSpeed", command.speed_mps});
       break;
+    case OperatorCommandKind::self_test: actions.push_back(action("selfTest")); break;
   }
   const bool until_confirmed = kind == OperatorCommandKind::stop;
   command.handle = action_sender_.send(proxy, command.vehicle, std::move(actions),
@@ -272,6 +275,8 @@ bool Commands::effect_observed(const Command& command) const {
     case OperatorCommandKind::cancel:
     case OperatorCommandKind::exclude: return state.node_states.empty() && !state.driving;
     case OperatorCommandKind::include: return true;
+    case OperatorCommandKind::self_test:
+      return action_sender_.find(command.handle)->actions.front().status == wire::ActionStatus::finished;
     case OperatorCommandKind::limit:
       return action_sender_.find(command.handle)->actions.front().status == wire::ActionStatus::finished &&
              speed_mps <= command.speed_mps + speed_slack_mps;

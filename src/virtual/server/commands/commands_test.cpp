@@ -805,7 +805,7 @@ TEST_F(FollowedCommands, that_are_none_are_listed_as_failed_with_the_vehicles_na
   EXPECT_EQ(dance.command_text, "dance");
   EXPECT_EQ(dance.reason,
             "command: there is no command 'dance'; use stop, slow, medium, fast, limit, restart, cancel, exclude, "
-            "include or retire");
+            "include, retire or self-test");
   const Command& unreadable = issue(fail("command.syntax", "no object"));
   EXPECT_EQ(unreadable.reason, "no object");
   EXPECT_EQ(unreadable.vehicle_name, "");

@@ -58,6 +58,7 @@ void Intention::take(OperatorCommandKind kind, double speed_mps) {
     case OperatorCommandKind::cancel: cancelled = true; break;
     case OperatorCommandKind::exclude: excluded = true; break;
     case OperatorCommandKind::include: excluded = false; break;
+    case OperatorCommandKind::self_test: break;  // done once, and not in force afterwards
     case OperatorCommandKind::limit:
       COSIVA_EXPECT(speed_mps > 0.0 && std::isfinite(speed_mps));
       speed_mps_max = speed_mps;

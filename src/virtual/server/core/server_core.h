@@ -45,6 +45,7 @@ namespace cosiva::virtual_side {
 ///   {"command":"saved"}: zone_configuration() has been written to its file
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
 ///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
+///   {"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV2","fault":"dead_motor","for_s":5}}}
 /// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryTestRelay::ready)
 class ServerCore final : public wire::Core {
  public:
@@ -61,9 +62,9 @@ class ServerCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
   /// Number of the format of snapshot(): increases with every change of what the server's classes store.
-  static constexpr std::uint32_t snapshot_format = 7;
+  static constexpr std::uint32_t snapshot_format = 8;
   /// Digest of snapshot_layout() in this format: a test compares, so that no change of the members is overlooked.
-  static constexpr std::string_view snapshot_layout_digest = "e43cc82b6781b09b";
+  static constexpr std::string_view snapshot_layout_digest = "abc95092ee774ca1";
   /// Which types a snapshot stores, and the types of their members: of a server with physical and virtual AIVs the same
   /// in every state.
   friend std::map<std::string, std::string> snapshot_layout(const ServerCore& server);

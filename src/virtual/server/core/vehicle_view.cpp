@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cosiva/wire/messages/charge.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::virtual_side {
@@ -51,10 +52,18 @@ void write_boards(JsonWriter& json, const wire::BoardsReport& report) {
         .field("frames", line.frames)
         .field("framesBad", line.frames_bad)
         .field("framesMissed", line.frames_missed)
-        .field("selfTest", line.self_test)
-        .end_object();
+        .field("selfTest", line.self_test);
+    if (line.self_test != 0) json.field("fault", wire::fault_text(line.self_test));
+    if (!line.parts.empty()) {
+      json.key("parts").begin_object();
+      for (const wire::PartFinding& part : line.parts) json.field(to_string(part.part), to_string(part.finding));
+      json.end_object();
+    }
+    json.end_object();
   }
   json.end_array();
+  if (report.pils) wire::write_pils(json.key("pils"), *report.pils);
+  if (!report.affi.empty()) json.field("affi", report.affi);
   if (report.power) {
     json.key("power")
         .begin_object()
@@ -151,7 +160,12 @@ void VehicleView::write_contract(JsonWriter& json, const AivProxy& proxy) const 
 
 void VehicleView::write_agent(JsonWriter& json, VehicleIndex vehicle, bool lost) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  json.field("battery", proxy.state() ? proxy.state()->battery.charge_percent : 0.0).key("lastTag");
+  json.key("battery");
+  if (proxy.state() && wire::charge_unknown(*proxy.state()))
+    json.null();
+  else
+    json.value(proxy.state() ? proxy.state()->battery.charge_percent : 0.0);
+  json.key("lastTag");
   if (proxy.reported_state.last_tag())
     json.value(*proxy.reported_state.last_tag());
   else

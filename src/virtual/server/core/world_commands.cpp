@@ -1,6 +1,9 @@
 #include "cosiva/virtual/server/core/world_commands.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +21,41 @@ Result<std::string> obstacle_id(const std::optional<std::string>& id) {
   if (!id || id->empty() || id->size() > obstacle_id_bytes_max)
     return fail("plant.id", "give the obstacle a name of 1 to 64 bytes, as \"id\"", "id");
   return *id;
+}
+
+/// The number of a vehicle of the emulated world: 2 of "CoSiVA/AIV2".
+Result<std::uint32_t> emulated_number(const std::string& vehicle, const ServerContext& context) {
+  const std::string prefix = std::string(wire::our_manufacturer) + "/AIV";
+  std::uint32_t number = 0;
+  const char* end = vehicle.data() + vehicle.size();
+  const bool known = context.registry.find(vehicle) && vehicle.starts_with(prefix);
+  if (known) {
+    const auto [parsed, error] = std::from_chars(vehicle.data() + prefix.size(), end, number);
+    if (error == std::errc{} && parsed == end && number > 0) return number;
+  }
+  return fail("plant.vehicle",
+              "'" + vehicle.substr(0, 80) + "' is no vehicle of the emulated world; name one such as CoSiVA/AIV1",
+              "vehicle");
+}
+
+/// {"setFault":…}, as the emulated world reads it.
+Result<std::string> fault_json(const PlantCommand::Fault& fault, const ServerContext& context) {
+  static constexpr std::array kinds{"stuck_sensor", "dead_motor", "failed_reader", "brown_out", "none"};
+  const auto number = emulated_number(fault.vehicle, context);
+  if (!number) return tl::unexpected(number.error());
+  if (std::ranges::find(kinds, fault.kind) == kinds.end())
+    return fail("plant.fault", "give the fault: stuck_sensor, dead_motor, failed_reader, brown_out or none", "fault");
+  JsonWriter json;
+  json.begin_object().key("setFault").begin_object().field("vehicle", *number).field("fault", fault.kind);
+  for (const auto& [name, value] :
+       {std::pair{"for_s", fault.for_s}, {"sensor", fault.sensor}, {"reading", fault.reading}}) {
+    if (!value) continue;
+    if (!std::isfinite(*value)) return fail("plant.fault", "give a number", name);
+    json.field(name, *value);
+  }
+  if (fault.motor) json.field("motor", *fault.motor);
+  json.end_object().end_object();
+  return json.take();
 }
 
 /// {"addObstacle":…} or {"removeObstacle":…}, as the emulated world reads it.
@@ -54,8 +92,10 @@ Result<wire::Publish> read_world_command(const PlantCommand& command, const Serv
                                          const AugmentedParts& augmented) {
   if (!context.simulator.zone())
     return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
-  auto json =
-      plant_json(command, augmented, std::max(obstacle_radius_m_min, 0.5 * context.simulator.zone()->vehicle.width_m));
+  auto json = command.act == PlantCommand::Act::fault
+                  ? fault_json(command.fault, context)
+                  : plant_json(command, augmented,
+                               std::max(obstacle_radius_m_min, 0.5 * context.simulator.zone()->vehicle.width_m));
   if (!json) return tl::unexpected(json.error());
   return wire::Publish{std::string(wire::plant_command_topic), std::move(*json), 1, false};
 }

@@ -81,6 +81,22 @@ TEST_F(World, radio_loses_a_ratio_of_the_messages_of_a_known_vehicle_or_of_all) 
   EXPECT_EQ(JsonValue::parse(sent[0].payload)->number("loss"), 0.5);
 }
 
+TEST_F(World, fault_is_sent_with_the_number_of_its_vehicle) {
+  fixture.add("AIV1", {0, 0.5});
+  const auto fault = [](const std::string& rest) {
+    return R"({"command":"plant","plant":{"setFault":{)" + rest + "}}}";
+  };
+  EXPECT_EQ(fixture.refusal(fault(R"("vehicle":"CoSiVA/AIV1","fault":"stuck_sensor","sensor":3,"for_s":5)")), "");
+  fixture.send_command(fault(R"("vehicle":"CoSiVA/AIV1","fault":"stuck_sensor","sensor":3,"for_s":5)"));
+  const auto sent = fixture.published_on(wire::plant_command_topic);
+  ASSERT_THAT(sent, SizeIs(1));
+  EXPECT_EQ(sent[0].payload, R"({"setFault":{"vehicle":1,"fault":"stuck_sensor","for_s":5,"sensor":3}})");
+  EXPECT_THAT(fixture.refusal(fault(R"("vehicle":"CoSiVA/AIV7","fault":"none")")), HasSubstr("is no vehicle of the"));
+  EXPECT_THAT(fixture.refusal(fault(R"("vehicle":"CoSiVA/AIV1","fault":"flat_tyre")")), HasSubstr("give the fault: "));
+  EXPECT_THAT(fixture.refusal(fault(R"("vehicle":"CoSiVA/AIV1","fault":"dead_motor","for_s":"long")")),
+              HasSubstr("for_s: give a number"));
+}
+
 TEST(WorldCommands, are_refused_while_there_is_no_zone) {
   const ServerCore server{ServerOptions{}};
   const auto checked = server.check_command(DecodedCommand{R"({"command":"plant","plant":{"removeObstacle":"box"}})"});

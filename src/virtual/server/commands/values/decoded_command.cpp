@@ -17,9 +17,10 @@ constexpr double limit_mps_max = 5.0;
 constexpr std::size_t vehicles_named_max = 256;
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-constexpr std::array kinds{OperatorCommandKind::stop,   OperatorCommandKind::slow,    OperatorCommandKind::medium,
-                           OperatorCommandKind::fast,   OperatorCommandKind::limit,   OperatorCommandKind::restart,
-                           OperatorCommandKind::cancel, OperatorCommandKind::exclude, OperatorCommandKind::include};
+constexpr std::array kinds{OperatorCommandKind::stop,     OperatorCommandKind::slow,    OperatorCommandKind::medium,
+                           OperatorCommandKind::fast,     OperatorCommandKind::limit,   OperatorCommandKind::restart,
+                           OperatorCommandKind::cancel,   OperatorCommandKind::exclude, OperatorCommandKind::include,
+                           OperatorCommandKind::self_test};
 
 std::string cut(std::string_view text) { return std::string(text.substr(0, 80)); }
 
@@ -58,9 +59,10 @@ Result<VehicleCommand> vehicle_command(const Result<JsonValue>& value) {
   command.action_id = cut(value->text("actionId").value_or(""));
   const auto requested = value->text("command");
   if (!requested)
-    return fail("command.missing",
-                "state which command: stop, slow, medium, fast, limit, restart, cancel, exclude, include or retire",
-                "command");
+    return fail(
+        "command.missing",
+        "state which command: stop, slow, medium, fast, limit, restart, cancel, exclude, include, retire or self-test",
+        "command");
   command.command_text = cut(*requested);
   if (const JsonValue* list = value->find("vehicles"); list != nullptr && !list->is_null()) {
     if (list->array() == nullptr || list->array()->empty() || list->array()->size() > vehicles_named_max)
@@ -175,6 +177,12 @@ Decoded plant_command(const JsonValue& json) {
   if (const JsonValue* removed = plant->find("removeObstacle")) {
     command.act = PlantCommand::Act::remove;
     if (removed->text() != nullptr) command.id = *removed->text();
+    return command;
+  }
+  if (const JsonValue* fault = plant->find("setFault")) {
+    command.act = PlantCommand::Act::fault;
+    command.fault = {fault->text("vehicle").value_or(""), fault->text("fault").value_or(""), number_of(*fault, "for_s"),
+                     number_of(*fault, "sensor"),         number_of(*fault, "reading"),      text_of(*fault, "motor")};
     return command;
   }
   const JsonValue* added = plant->find("addObstacle");

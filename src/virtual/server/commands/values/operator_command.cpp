@@ -13,6 +13,7 @@ std::string_view to_string(OperatorCommandKind kind) {
     case OperatorCommandKind::cancel: return "cancel";
     case OperatorCommandKind::exclude: return "exclude";
     case OperatorCommandKind::include: return "include";
+    case OperatorCommandKind::self_test: return "self-test";
   }
   return "?";
 }

@@ -22,7 +22,18 @@ namespace cosiva::virtual_side {
 using OptionalNumber = std::optional<double>;
 
 /// What an operator can command a vehicle to do (A6).
-enum class OperatorCommandKind : std::uint8_t { stop, slow, medium, fast, limit, restart, cancel, exclude, include };
+enum class OperatorCommandKind : std::uint8_t {
+  stop,
+  slow,
+  medium,
+  fast,
+  limit,
+  restart,
+  cancel,
+  exclude,
+  include,
+  self_test
+};
 [[nodiscard]] std::string_view to_string(OperatorCommandKind kind);
 
 /// A command to vehicles, or a text that is no command at all: Commands lists even those that it refuses.
@@ -94,14 +105,23 @@ struct SwitchCommand {
   std::optional<Result<std::shared_ptr<const zone::Rtm>>> built{};
 };
 
-/// To the emulated world: adds or removes an obstacle.
+/// To the emulated world: adds or removes an obstacle, or injects a fault of a vehicle's modules.
 struct PlantCommand {
-  enum class Act : std::uint8_t { none, add, remove };
+  enum class Act : std::uint8_t { none, add, remove, fault };
   Act act{Act::none};
   std::optional<std::string> id;
   OptionalNumber x_m;
   OptionalNumber y_m;
   OptionalNumber radius_m;
+  struct Fault {
+    std::string vehicle;
+    std::string kind;
+    OptionalNumber for_s;
+    OptionalNumber sensor;
+    OptionalNumber reading;
+    std::optional<std::string> motor;
+  };
+  Fault fault{};
 };
 
 /// To the emulated world: a ratio of messages of a vehicle, or of all ("*"), is lost.
