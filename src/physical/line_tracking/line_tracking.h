@@ -18,6 +18,8 @@ extern "C" {
 
 #define LT_SENSORS 8
 
+/* NOLINTBEGIN(modernize-use-using): C has no other. */
+
 /* Of the row and of the marking on the floor. */
 typedef struct {
   int32_t pitch_um; /* from sensor to sensor, 1000 to 20000 */
@@ -68,6 +70,8 @@ typedef struct {
   void (*init)(lt_state* state, const lt_geometry* geometry);
   void (*step)(lt_state* state, const lt_input* in, lt_output* out);
 } lt_algorithm;
+
+/* NOLINTEND(modernize-use-using) */
 
 #define LT_ALGORITHMS 3
 extern const lt_algorithm lt_algorithms[LT_ALGORITHMS];
