@@ -237,7 +237,7 @@ std::optional<Circuit::Route> Circuit::shortest_route(TrackPosition from, TrackP
   return std::nullopt;
 }
 
-Circuit reversed(const Circuit& circuit) {
+Circuit reversed(const Circuit& circuit, std::string name) {
   std::vector<Circuit::Part> parts;
   parts.reserve(circuit.size());
   for (SectionId id = 0; id < circuit.size(); ++id) {
@@ -250,7 +250,7 @@ Circuit reversed(const Circuit& circuit) {
   }
   // The joints are those of the circuit, which has been joined within the tolerances of its format.
   constexpr double any = std::numeric_limits<double>::infinity();
-  auto made = Circuit::make(circuit.name(), std::move(parts), any, any);
+  auto made = Circuit::make(std::move(name), std::move(parts), any, any);
   COSIVA_EXPECT(made.has_value());
   made->indirect_ = !circuit.indirect_;
   return std::move(*made);

@@ -92,7 +92,7 @@ class Circuit {
   [[nodiscard]] std::optional<Route> shortest_route(TrackPosition from, TrackPosition to, double limit_m) const;
 
  private:
-  friend Circuit reversed(const Circuit& circuit);
+  friend Circuit reversed(const Circuit& circuit, std::string name);
 
   std::string name_;
   bool indirect_{false};
@@ -109,7 +109,9 @@ class Circuit {
 /// The circuit as a vehicle travels it in the other direction (A32): each section from its end to its start, followed
 /// by the sections that precede it. Names and ids stay; a position at s lies at L − s. Of several successors the first
 /// is one whose own default successor the section is.
-[[nodiscard]] Circuit reversed(const Circuit& circuit);
+/// @param name  of the reversed circuit
+[[nodiscard]] Circuit reversed(const Circuit& circuit, std::string name);
+[[nodiscard]] inline Circuit reversed(const Circuit& circuit) { return reversed(circuit, circuit.name()); }
 /// Whether `a` is the reversed circuit of `b`: sections of the same names, each from the other's end to its start.
 [[nodiscard]] bool is_reversed(const Circuit& a, const Circuit& b);
 /// The same point of a circuit on the reversed one.

@@ -35,8 +35,8 @@ void make_indirect(TrafficZone& zone, WaypointRules& rules) {
   for (TrackPosition& position : rules.at) position = reversed(zone.circuit, position);
   for (Station& station : zone.stations) station.position = reversed(zone.circuit, station.position);
   for (Loop& loop : zone.loops) std::reverse(loop.sections.begin(), loop.sections.end());
-  zone.circuit = reversed(zone.circuit);
   zone.name += "-indirect";
+  zone.circuit = reversed(zone.circuit, zone.name);
 }
 
 }  // namespace cosiva::zone

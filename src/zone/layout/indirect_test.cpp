@@ -31,6 +31,7 @@ TEST(IndirectZone, has_its_tags_stations_and_beacons_at_the_same_points) {
     EXPECT_TRUE(back.circuit.indirect());
     EXPECT_FALSE(there.circuit.indirect());
     EXPECT_EQ(back.name, there.name + "-indirect");
+    EXPECT_EQ(back.circuit.name(), back.name) << "the page shows the drawn circuit's name";
     EXPECT_TRUE(is_reversed(back.circuit, there.circuit));
     ASSERT_EQ(back.tags.size(), there.tags.size());
     for (std::size_t i = 0; i < there.tags.size(); ++i) {
