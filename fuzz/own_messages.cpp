@@ -2,6 +2,7 @@
 
 #include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
+#include "cosiva/wire/own/crossing_claims.h"
 #include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/own/v2x.h"
 #include "target.h"
@@ -34,6 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::boards_report_from_json, text);
   read(wire::radio_from_json, text);
   read(wire::intent_from_json, text);
+  read(wire::crossing_claims_from_json, text);
   read(wire::owner_from_json, text);
   read(wire::battery_change_from_json, text);
   read(wire::battery_ready_from_json, text);

@@ -18,7 +18,7 @@ import sys
 import checker
 
 EXCEPTIONS = {
-    "Agent": {"speed_policy_": "constant", "envelope_": "constant", "one_way_": "constant"},
+    "Agent": {"speed_policy_": "constant", "envelope_": "constant", "one_way_": "constant", "barrier_m_": "scratch"},
     "Antenna": {"by_section_": "derived"},
     "AivProxy": {"identity": "derived"},
     "ActionExecutor": {"parts_": "constant"},
@@ -27,6 +27,7 @@ EXCEPTIONS = {
         "heartbeat_": "renewed", "encoder_": "renewed", "decoder_": "renewed", "received_": "scratch",
         "self_test_due_": "renewed",
     },
+    "BaseWatch": {"model_": "constant", "gap_": "scratch", "crossing_finder_": "constant", "on_base_": "scratch"},
     "BijectionMonitor": {"contract_": "constant"},
     "BoardsLink": {"batch_": "scratch", "boards_": "constant"},
     "ControlAreas": {"own_": "constant"},
@@ -35,7 +36,7 @@ EXCEPTIONS = {
     "Deadlocks": {"rules_": "constant"},
     "Dems": {"line_sd_m_": "constant", "random_": "renewed"},
     "DistanceCounter": {"step_m_max_": "constant"},
-    "DrivingContext": {"crossings_": "constant"},
+    "DrivingContext": {"crossings_": "constant", "negotiation_": "renewed"},
     "Estimating": {"registry_": "constant", "model_": "constant"},
     "LineVehicle": {
         "circuit_": "derived",
@@ -45,7 +46,7 @@ EXCEPTIONS = {
     "Missions": {"map_": "derived", "router_": "derived"},
     "Neighbours": {
         "self_": "constant", "model_": "constant", "speed_mps_max_": "constant", "gap_": "scratch",
-        "crossing_finder_": "constant", "ahead_": "scratch", "newest_at_": "derived",
+        "crossing_finder_": "constant", "approached_": "scratch", "newest_at_": "derived",
     },
     "ObstacleWatch": {"one_way_": "constant", "corridor_": "scratch", "sweep_": "scratch"},
     "OffPathEstimator": {"landed_m_": "constant", "landed_rad_": "constant"},
@@ -77,7 +78,7 @@ EXCEPTIONS = {
     "ThirdPartyPause": {"map_": "derived"},
     "Traces": {"capacity_": "constant", "raw_budget_": "constant"},
     "Traffic": {"rules_": "constant", "map_": "derived", "scratch_": "scratch", "between_": "scratch"},
-    "V2xParticipant": {"id_": "constant", "name_": "constant", "enabled_": "constant"},
+    "V2xParticipant": {"mode_": "constant", "id_": "constant", "name_": "constant", "enabled_": "constant"},
     "Vehicle": {
         "number_": "constant", "step_max_": "constant", "floor_": "derived", "draw_": "renewed", "seed_": "constant",
         "readings_": "scratch",
@@ -88,7 +89,7 @@ EXCEPTIONS = {
     },
     "VehicleState": {"one_way_": "constant"},
     "VirtualBody": {"zone_": "derived", "next_": "derived"},
-    "VirtualFleet": {"v2x_": "constant", "effects_": "scratch"},
+    "VirtualFleet": {"v2x_": "constant", "open_": "constant", "effects_": "scratch"},
     "VirtualObstaclePublisher": {"world_": "scratch", "near_": "scratch", "sent_objects_": "scratch"},
     "VirtualPerception": {"contact_": "scratch"},
     "WaitGraph": {"components_": "scratch"},

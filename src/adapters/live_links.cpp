@@ -4,6 +4,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/v2x_port.h"
 
 namespace cosiva::adapters {
 
@@ -25,7 +26,15 @@ Result<void> LiveLinks::prepare(const MqttOptions& options, const wire::Core& co
 }
 
 Result<void> LiveLinks::open(const OpenPorts& open_ports) {
-  auto opened = open_ports(handlers_.ports);
+  PortHandlers handlers = handlers_.ports;
+  // The radio of an emulated vehicle is that of the direct link, too.
+  if (radio_ && handlers.on_bytes) {
+    handlers.on_bytes = [this](const std::string& port, std::string_view bytes) {
+      if (!wire::v2x_source(port)) return handlers_.ports.on_bytes(port, bytes);
+      radio_->receive(0, [this, port, bytes] { handlers_.ports.on_bytes(port, bytes); });
+    };
+  }
+  auto opened = open_ports(std::move(handlers));
   if (!opened) return tl::unexpected(opened.error());
   ports_ = std::move(*opened);
   return {};
@@ -54,7 +63,13 @@ void LiveLinks::act(const wire::Publish& publish) {
 }
 
 void LiveLinks::act(const wire::SendBytes& send) {
-  if (ports_) ports_->send(send.port, send.bytes);
+  if (!ports_) return;
+  if (radio_ && wire::v2x_port_number(send.port)) {
+    // With QoS 0 it is sent now or never.
+    radio_->send(0, [this, &send] { ports_->send(send.port, send.bytes); });
+  } else {
+    ports_->send(send.port, send.bytes);
+  }
 }
 
 void LiveLinks::act(const wire::Listen& listen) {

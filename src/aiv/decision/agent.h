@@ -55,6 +55,9 @@ class Agent {
   /// What vehicles nearby report, until the next call. These reports only make driving smoother: the vehicle's own
   /// sensors determine the distance to the first body ahead, and its order determines whether it may enter a crossing.
   void heed(const Others& others) { inputs_.others = others; }
+  /// Along the path to the first crossing that the vehicles nearby have not left to this vehicle yet; infinite: none,
+  /// or the server alone decides. Until the next call.
+  void stop_before_crossing(double barrier_m) { barrier_m_ = barrier_m; }
   [[nodiscard]] bool heeds_others() const { return speed_policy_->heeds_others(); }
   [[nodiscard]] Instructions& instructions() { return instructions_; }
   [[nodiscard]] const Instructions& instructions() const { return instructions_; }
@@ -109,6 +112,7 @@ class Agent {
     double charge{1.0};
   };
   Inputs inputs_;
+  double barrier_m_{std::numeric_limits<double>::infinity()};
   Instructions instructions_;
   Decision decision_;
 };

@@ -105,6 +105,10 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
     limit.crossing_ahead_m = chain.entry_m;
     if (chain.entry_m < end_m) end_m = std::max(0.0, chain.entry_m - stop_line_m);
   }
+  if (view.barrier_m < limit.crossing_ahead_m && view.barrier_m <= reach_m) {
+    limit.crossing_ahead_m = view.barrier_m;
+    if (view.barrier_m < end_m) end_m = std::max(0.0, view.barrier_m - stop_line_m);
+  }
   limit.end_m = end_m;
   const double obstacle_m = view.obstacle_ahead_m - clearance_m;
 

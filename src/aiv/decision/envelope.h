@@ -67,6 +67,9 @@ class Envelope {
     double speed_mps;
     double obstacle_ahead_m;  ///< from the vehicle's front; infinite: none
     const OrderBook& order;
+    /// To the first crossing that the vehicles have not agreed upon yet (CrossingNegotiation); infinite: the order
+    /// alone determines which crossings the vehicle may enter.
+    double barrier_m{std::numeric_limits<double>::infinity()};
   };
   /// @param target_speed  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;

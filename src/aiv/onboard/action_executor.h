@@ -9,11 +9,11 @@
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/position_store.h"
-#include "cosiva/aiv/onboard/server_selection.h"
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
 #include "cosiva/aiv/order/instant_actions.h"
+#include "cosiva/aiv/partners/server_selection.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 

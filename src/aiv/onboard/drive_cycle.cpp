@@ -13,6 +13,10 @@ void DriveCycle::run(SimTime now, DrivingContext& context, wire::Effects& effect
   Agent& agent = context.agent();
   supervise(now, context);
   perception_.update(now, supervision_.server_lost(now), context);
+  if (CrossingNegotiation* const negotiation = context.negotiation()) {
+    negotiation->update(now, agent);
+    agent.stop_before_crossing(negotiation->barrier_m());
+  }
   agent.heed(v2x_.survey(now, context));
   COSIVA_EXPECT(agent.vehicle().holds().has(Hold::board_lost) == supervision_.any_board_lost(now));
   const wire::Drive drive = agent.decide();
@@ -30,8 +34,13 @@ void DriveCycle::supervise(SimTime now, DrivingContext& context) const {
   VehicleState& vehicle = context.vehicle();
   if (supervision_.board_lost(now, wire::Board::PILS)) vehicle.on_odometry_lost();
   const auto faulty = [&](wire::Board board) { return boards_.health(board).self_test != 0; };
-  vehicle.hold(Hold::broker_lost, supervision_.broker_lost(now));
-  vehicle.hold(Hold::server_lost, supervision_.server_lost(now));
+  const bool broker_lost = supervision_.broker_lost(now);
+  const bool server_lost = supervision_.server_lost(now);
+  BaseWatch* const base_watch = context.base_watch();
+  const bool finishes =
+      base_watch != nullptr && (broker_lost || server_lost) && base_watch->may_finish(now, context.agent());
+  vehicle.hold(Hold::broker_lost, broker_lost && !finishes);
+  vehicle.hold(Hold::server_lost, server_lost && !finishes);
   vehicle.hold(Hold::board_lost, supervision_.any_board_lost(now));
   // The vehicle could go on without power readings or tags, not without wheels or obstacle sensor.
   vehicle.hold(Hold::board_faulty,

@@ -12,7 +12,8 @@ namespace cosiva::aiv {
 /// One decision of the vehicle: what supervision, perception and V2X know goes to the agent, and the agent's command to
 /// the motors.
 ///
-/// Invariant: a command is given only to an agent that holds for each link which supervision reports as lost.
+/// Invariant: a command is given only to an agent that holds for each link which supervision reports as lost, except
+/// for broker and server while the vehicle may finish its base (BaseWatch).
 class DriveCycle {
  public:
   DriveCycle(const Supervision& supervision, VirtualPerception& perception, V2xParticipant& v2x, BoardsLink& boards,

@@ -22,7 +22,10 @@ DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptio
       agent_{*zone_, speed_policy_of(options, *zone_), Lateness::of(options.cycle)},
       virtual_bodies_{*zone_},
       neighbours_{*zone_, options.id},
-      crossings_{*zone_} {}
+      crossings_{*zone_} {
+  if (options.link_loss == LinkLoss::finish_base) base_watch_.emplace(*zone_);
+  if (options.autonomy == Autonomy::negotiate) negotiation_.emplace(*zone_, options.id);
+}
 
 DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options, const Agent& before)
     : DrivingContext{zone, options} {
@@ -48,6 +51,7 @@ void DrivingContext::archive(Archive& archive) {
   // The zone was made from the configuration in force, except for these, which an edit of fiducials leaves as they are.
   archive(zone_->edges_are_sections, zone_->clearance_m, zone_->spacing_m, zone_->nodes_only);
   archive(agent_, virtual_bodies_, neighbours_, sighting_);
+  if (base_watch_) archive(*base_watch_);
 }
 
 }  // namespace cosiva::aiv

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "cosiva/aiv/decision/agent.h"
+#include "cosiva/aiv/negotiation/crossing_negotiation.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
 #include "cosiva/aiv/perception/perceived_world.h"
 #include "cosiva/aiv/perception/sighting.h"
+#include "cosiva/aiv/v2x/base_watch.h"
 #include "cosiva/aiv/v2x/neighbours.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/zone/layout/traffic_zone.h"
@@ -38,6 +41,10 @@ class DrivingContext {
   [[nodiscard]] const PerceivedWorld& virtual_bodies() const { return virtual_bodies_; }
   [[nodiscard]] Neighbours& neighbours() { return neighbours_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
+  /// Of a vehicle that may finish its base after the loss of a link; null: it may not.
+  [[nodiscard]] BaseWatch* base_watch() { return base_watch_ ? &*base_watch_ : nullptr; }
+  /// Of a vehicle that agrees on crossings with the others; null: the server decides.
+  [[nodiscard]] CrossingNegotiation* negotiation() { return negotiation_ ? &*negotiation_ : nullptr; }
   [[nodiscard]] const CrossingFinder& crossings() const { return crossings_; }
   [[nodiscard]] Sighting& sighting() { return sighting_; }
   [[nodiscard]] const Sighting& sighting() const { return sighting_; }
@@ -52,6 +59,8 @@ class DrivingContext {
   Agent agent_;
   PerceivedWorld virtual_bodies_;
   Neighbours neighbours_;
+  std::optional<BaseWatch> base_watch_;
+  std::optional<CrossingNegotiation> negotiation_;
   CrossingFinder crossings_;
   Sighting sighting_;
 };

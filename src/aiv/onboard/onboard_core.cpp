@@ -11,17 +11,18 @@
 #include "cosiva/aiv/onboard/estimation_service.h"
 #include "cosiva/aiv/onboard/order_receiver.h"
 #include "cosiva/aiv/onboard/position_store.h"
-#include "cosiva/aiv/onboard/server_selection.h"
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/v2x_participant.h"
 #include "cosiva/aiv/onboard/virtual_perception.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/aiv/partners/server_selection.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/wire/messages/travel_frame.h"
+#include "cosiva/wire/own/v2x_port.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
@@ -40,6 +41,10 @@ bool is_idle(const DrivingContext* context) {
   if (context == nullptr) return true;
   const VehicleState& vehicle = context->vehicle();
   return vehicle.motion().stopped() && !vehicle.order().active() && !vehicle.joining() && !vehicle.back_up().active();
+}
+
+V2xParticipant::Mode v2x_mode_of(const OnboardOptions& options) {
+  return {.direct = options.v2x_direct, .dense = options.v2x_direct || options.link_loss == LinkLoss::finish_base};
 }
 
 /// Subscribes to all topics besides subscriptions().
@@ -61,7 +66,7 @@ struct OnboardCore::Parts {
         session{options.id, options.interface_name, options.as_values},
         reporter{options},
         positions{options},
-        v2x{options.id, options.v2x},
+        v2x{options.id, options.v2x, v2x_mode_of(options)},
         drive_cycle{supervision, perception, v2x, boards, session},
         actions{{session, reporter, positions, drive_cycle, zones, server, boards}},
         orders{{session, reporter, actions, drive_cycle, zones}, options.cycle} {}
@@ -145,6 +150,10 @@ void OnboardCore::Parts::on_port(const wire::Input& input) {
 
 void OnboardCore::Parts::on_bytes(const wire::Input& input, wire::Effects& effects) {
   if (const auto* frames = wire::frames_of(input.typed.get())) return on_frames(input.at, *frames, effects);
+  if (const auto source = wire::v2x_source(input.source)) {
+    if (context && options.v2x_direct) v2x.on_direct(input.at, *source, input, *context, effects);
+    return;
+  }
   const auto board = boards.board_of(input.source);
   if (!board) return;
   on_board_messages(input.at, *board, boards.on_bytes(*board, input.payload), std::identity{}, effects);
@@ -355,6 +364,7 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     reporter.publish_visualization(now, *context, session, effects);
     if (v2x.update_cell(*context)) subscribe(v2x, server, effects);
     v2x.publish_intent(now, *context, session, effects);
+    v2x.publish_claims(now, *context, effects);
   }
   if (reporter.boards_report_due(now) && !starting_up(now))
     reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);

@@ -20,6 +20,7 @@
 #include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/own/v2x_port.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv::test {
@@ -42,6 +43,8 @@ class OnboardFixture {
     bool broker_up{true};
     bool v2x{true};
     bool rali{true};
+    bool direct{false};
+    LinkLoss link_loss{LinkLoss::brake};
   };
 
   OnboardFixture() : OnboardFixture(Setup{}) {}
@@ -52,6 +55,8 @@ class OnboardFixture {
     options.start = setup.start;
     options.v2x = setup.v2x;
     options.rali = setup.rali;
+    options.v2x_direct = setup.direct;
+    options.link_loss = setup.link_loss;
     core = std::make_unique<OnboardCore>(options);
     feed(wire::InputKind::configure, "aiv", to_json(options));
     if (!setup.persisted.empty()) feed(wire::InputKind::restore, "state", setup.persisted);
@@ -196,6 +201,7 @@ class OnboardFixture {
   std::vector<wire::DetectedObstacleReport> sightings;
   std::vector<wire::BoardsReport> boards_reports;
   std::vector<wire::Intent> intents;
+  std::vector<wire::Intent> direct_intents;
   std::vector<std::string> listens;  ///< filters besides the subscriptions
   std::vector<SimTime> state_times;
   std::vector<std::string> displayed;
@@ -261,6 +267,14 @@ class OnboardFixture {
   }
 
   void take(const wire::SendBytes& send) {
+    if (send.port == wire::v2x_port) {
+      auto intent = wire::intent_from_json(send.bytes);
+      if (intent)
+        direct_intents.push_back(std::move(*intent));
+      else
+        undecodable.push_back(send.bytes);
+      return;
+    }
     std::vector<wire::BoardMessage> messages;
     decoders_[send.port].feed(send.bytes, messages);
     for (const auto& message : messages) {

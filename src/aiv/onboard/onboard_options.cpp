@@ -8,6 +8,9 @@
 namespace cosiva::aiv {
 namespace {
 
+constexpr std::string_view finish_base_text = "finish-base";
+constexpr std::string_view negotiate_text = "negotiate";
+
 auto bad(std::string field, std::string expected) {
   return fail("options.field", "expected " + std::move(expected), std::move(field));
 }
@@ -17,6 +20,23 @@ Result<OnboardOptions::Start> start_from(const JsonValue& json) {
   const auto s_m = json.number("s_m");
   if (!section || !s_m || !std::isfinite(*s_m)) return bad("start", "an object with section and s_m");
   return OnboardOptions::Start{*section, *s_m};
+}
+
+/// Absent from journals recorded before there were these fields, as from those of a vehicle with the defaults.
+Result<void> read_direct_link(const JsonValue& json, OnboardOptions& options) {
+  options.v2x_direct = json.flag("v2xDirect").value_or(false);
+  if (const JsonValue* autonomy = json.find("autonomy")) {
+    const std::string* text = autonomy->text();
+    if (text == nullptr || *text != negotiate_text || !options.v2x_direct)
+      return bad("autonomy", "\"negotiate\" with v2xDirect, or no such field");
+    options.autonomy = Autonomy::negotiate;
+  }
+  const JsonValue* link_loss = json.find("linkLoss");
+  if (link_loss == nullptr) return {};
+  const std::string* text = link_loss->text();
+  if (text == nullptr || *text != finish_base_text) return bad("linkLoss", "\"finish-base\", or no such field");
+  options.link_loss = LinkLoss::finish_base;
+  return {};
 }
 
 /// Reads a duration in milliseconds, if the field is there.
@@ -42,9 +62,11 @@ std::string to_json(const OnboardOptions& options) {
     json.field("s_m", options.start->s_m).end_object();
   }
   write_json(json.key("rules"), options.rules);
-  json.field("rali", options.rali)
-      .field("v2x", options.v2x)
-      .field("cycle_ms", to_milliseconds_by_seconds(options.cycle))
+  json.field("rali", options.rali).field("v2x", options.v2x);
+  if (options.v2x_direct) json.field("v2xDirect", true);
+  if (options.link_loss == LinkLoss::finish_base) json.field("linkLoss", finish_base_text);
+  if (options.autonomy == Autonomy::negotiate) json.field("autonomy", negotiate_text);
+  json.field("cycle_ms", to_milliseconds_by_seconds(options.cycle))
       .field("visualization_period_ms", to_milliseconds_by_seconds(options.visualization_period))
       .field("state_period_ms", to_milliseconds_by_seconds(options.state_period))
       .field("link_timeout_ms", to_milliseconds_by_seconds(options.link_timeout));
@@ -87,7 +109,7 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
   options.rali = value->flag("rali").value_or(true);
   // Without the field: a journal from before V2X.
   options.v2x = value->flag("v2x").value_or(false);
-  for (auto read : {read_ms(*value, "cycle_ms", options.cycle),
+  for (auto read : {read_direct_link(*value, options), read_ms(*value, "cycle_ms", options.cycle),
                     read_ms(*value, "visualization_period_ms", options.visualization_period),
                     read_ms(*value, "state_period_ms", options.state_period),
                     read_ms(*value, "link_timeout_ms", options.link_timeout)}) {

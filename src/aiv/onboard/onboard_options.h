@@ -14,6 +14,16 @@
 
 namespace cosiva::aiv {
 
+/// What a vehicle does once its broker or its server has sent nothing for the timeout.
+enum class LinkLoss : std::uint8_t {
+  brake,       ///< it brakes
+  finish_base  ///< it drives to the end of its base, for as long as BaseWatch allows it
+};
+/// Who decides which vehicle enters a crossing.
+enum class Autonomy : std::uint8_t {
+  server,    ///< the server, by the bases of its orders
+  negotiate  ///< the vehicles among themselves (CrossingNegotiation); bases lead through crossings
+};
 /// The configuration of a vehicle before it starts; the payload of its `configure` input (JSON,
 /// docs/protocols/journal.md).
 struct OnboardOptions {
@@ -29,9 +39,12 @@ struct OnboardOptions {
     double s_m;
   };
   std::optional<Start> start;
-  SpeedRules rules;  ///< for the choice of the speed; custom ones can be used (checked)
-  bool rali{true};   ///< the vehicle has this board; without it the charge is unknown
-  bool v2x{true};    ///< the vehicle publishes its intents to vehicles nearby, and uses theirs
+  SpeedRules rules;        ///< for the choice of the speed; custom ones can be used (checked)
+  bool rali{true};         ///< the vehicle has this board; without it the charge is unknown
+  bool v2x{true};          ///< the vehicle publishes its intents to vehicles nearby, and uses theirs
+  bool v2x_direct{false};  ///< it sends them by the direct link, too (wire::v2x_port)
+  LinkLoss link_loss{LinkLoss::brake};
+  Autonomy autonomy{Autonomy::server};               ///< negotiate: only with v2x_direct
   SimDuration cycle{std::chrono::milliseconds{20}};  ///< interval between decisions; when it is long, a new order is
                                                      ///< decided on at once
   SimDuration visualization_period{std::chrono::milliseconds{100}};

@@ -9,6 +9,7 @@
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/estimate_exchange.h"
+#include "cosiva/wire/own/v2x_port.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
@@ -114,13 +115,21 @@ void Session::publish_estimate(std::string&& json, wire::Effects& effects) const
   if (online_) effects.emplace_back(wire::Publish{topics_.estimate_response, std::move(json), 0, false});
 }
 
-void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects) {
-  if (!online_) return;
+void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects, bool direct) {
+  if (!online_ && !direct) return;
   intent.header_id = next_.intent++;
   intent.timestamp = now;
+  // One number for both ways: who receives the message twice drops the second one.
   const std::string& topic = intent_topic_.at(intent.map_id, cell);
-  if (as_values_) return pass_on(topic, std::move(intent), effects);
-  effects.emplace_back(wire::Publish{topic, to_json(intent), 0, false});
+  if (as_values_) {
+    const auto values = wire::typed(std::move(intent));
+    if (direct) effects.emplace_back(wire::SendBytes{std::string(wire::v2x_port), {}, values});
+    if (online_) effects.emplace_back(wire::Publish{topic, {}, 0, false, values});
+    return;
+  }
+  std::string json = to_json(intent);
+  if (direct) effects.emplace_back(wire::SendBytes{std::string(wire::v2x_port), json});
+  if (online_) effects.emplace_back(wire::Publish{topic, std::move(json), 0, false});
 }
 
 Result<void> Session::accepts(const wire::Header& header) const {

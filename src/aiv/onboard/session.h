@@ -63,8 +63,8 @@ class Session {
   void publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects);
   /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
-  /// To vehicles near this cell of the intent's map.
-  void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects);
+  /// To vehicles near this cell of the intent's map, and to all in reach where the vehicle has a direct link.
+  void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects, bool direct = false);
 
   /// Whether the message is meant for this vehicle, in a version that it supports (2.x). Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;

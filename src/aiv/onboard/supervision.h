@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "cosiva/aiv/onboard/link_check_timer.h"
+#include "cosiva/aiv/partners/link_check_timer.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/board.h"

@@ -19,8 +19,8 @@ constexpr SimDuration intent_interval_min = std::chrono::milliseconds{100};
 
 }  // namespace
 
-V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled)
-    : id_{std::move(id)}, name_{wire::to_string(id_)}, enabled_{enabled} {}
+V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled, Mode mode)
+    : id_{std::move(id)}, name_{wire::to_string(id_)}, enabled_{enabled}, mode_{mode} {}
 
 bool V2xParticipant::update_cell(const DrivingContext& context) {
   const PositionEstimator& estimator = context.vehicle().position();
@@ -38,26 +38,74 @@ std::vector<std::string> V2xParticipant::filters() const {
   return wire::v2x_filters(cell_map_, *cell_);
 }
 
+void V2xParticipant::refuse(const wire::Input& input, std::string kind, const std::string& why,
+                            wire::Effects& effects) {
+  constexpr std::size_t source_bytes = 120;
+  errors_.report(std::move(kind), "intent on '" + input.source.substr(0, source_bytes) + "' not used: " + why, effects);
+}
+
 void V2xParticipant::on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects) {
   // A retained intent is of unknown age. An intent that comes before the pose is known was not subscribed to.
   if (!enabled_ || input.flag || !context.vehicle().position().pose_known()) return;
   const wire::V2xTopic* topic = wire::received_v2x_topic(input.source);
   if (!topic) return;
-  const auto refuse = [&](std::string kind, const std::string& why) {
-    constexpr std::size_t topic_bytes_max = 120;
-    errors_.report(std::move(kind), "intent on '" + input.source.substr(0, topic_bytes_max) + "' not used: " + why,
-                   effects);
-  };
   auto intent = wire::received_intent(input);
-  if (!intent) return refuse(intent.error().code + " " + intent.error().location, to_string(intent.error()));
+  if (!intent)
+    return refuse(input, intent.error().code + " " + intent.error().location, to_string(intent.error()), effects);
+  use(now, *topic, std::move(*intent), input, context, effects);
+}
+
+void V2xParticipant::on_direct(SimTime now, const wire::V2xSource& source, const wire::Input& input,
+                               DrivingContext& context, wire::Effects& effects) {
+  if (!enabled_) return;
+  if (source.port == wire::v2x_port) on_direct_intent(now, source.sender, input, context, effects);
+  if (source.port == wire::claims_port) on_claims(now, source.sender, input, context, effects);
+}
+
+void V2xParticipant::on_direct_intent(SimTime now, const wire::VehicleId& sender, const wire::Input& input,
+                                      DrivingContext& context, wire::Effects& effects) {
+  if (!context.vehicle().position().pose_known()) return;
+  auto intent = wire::received_intent(input);
+  if (!intent)
+    return refuse(input, intent.error().code + " " + intent.error().location, to_string(intent.error()), effects);
+  const wire::Cell cell = wire::cell_of(position((*intent)->pose));
+  use(now, {{}, cell, sender}, std::move(*intent), input, context, effects);
+}
+
+void V2xParticipant::on_claims(SimTime now, const wire::VehicleId& sender, const wire::Input& input,
+                               DrivingContext& context, wire::Effects& effects) {
+  CrossingNegotiation* const negotiation = context.negotiation();
+  if (negotiation == nullptr) return;
+  auto claims = wire::received_claims(input.payload);
+  if (!claims)
+    return refuse(input, claims.error().code + " " + claims.error().location, to_string(claims.error()), effects);
+  if (!negotiation->on_message(now, sender, std::move(*claims)))
+    refuse(input, "claims", "claims of another vehicle or map than their sender's", effects);
+}
+
+void V2xParticipant::publish_claims(SimTime now, DrivingContext& context, wire::Effects& effects) {
+  CrossingNegotiation* const negotiation = context.negotiation();
+  if (!enabled_ || negotiation == nullptr) return;
+  if (const auto claims = negotiation->take_message(now))
+    effects.emplace_back(wire::SendBytes{std::string(wire::claims_port), to_json(*claims)});
+}
+
+void V2xParticipant::use(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent,
+                         const wire::Input& input, DrivingContext& context, wire::Effects& effects) {
   const Point2 here = position(context.vehicle().position().pose());
-  const auto verdict = context.neighbours().receive(now, *topic, std::move(*intent), here);
+  const auto verdict = context.neighbours().receive(now, topic, intent, here);
   using enum Neighbours::Verdict;
   if (verdict == first) requested_ = true;
+  if (verdict == taken || verdict == first) {
+    if (BaseWatch* const base_watch = context.base_watch()) base_watch->on_intent(now, std::move(intent));
+    return;
+  }
   // The network repeats and reorders messages, and the vehicle's own intents come back by its subscriptions: no fault.
-  const bool own_intent = verdict == own && topic->vehicle == id_;
-  if (verdict == taken || verdict == first || verdict == old || own_intent) return;
-  refuse(std::string(to_string(verdict)), std::string(to_string(verdict)));
+  // Everyone in the reach of the radio receives what is sent directly.
+  const bool own_intent = verdict == own && topic.vehicle == id_;
+  const bool far_by_radio = verdict == far && input.kind == wire::InputKind::bytes;
+  if (verdict == old || own_intent || far_by_radio) return;
+  refuse(input, std::string(to_string(verdict)), std::string(to_string(verdict)), effects);
 }
 
 Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
@@ -69,13 +117,15 @@ Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
 
 void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects) {
   const Agent& agent = context.agent();
-  if (!enabled_ || !session.online() || !cell_ || !agent.vehicle().position().pose_known()) return;
+  const bool reaches_others = session.online() || mode_.direct;
+  if (!enabled_ || !reaches_others || !cell_ || !agent.vehicle().position().pose_known()) return;
   const SimDuration since = published_at_ ? now - *published_at_ : SimDuration::max();
   if (since >= SimDuration::zero() && since < intent_interval_min) return;
   Neighbours& neighbours = context.neighbours();
   neighbours.age(now);
   const bool alone = neighbours.empty();
-  const SimDuration period = alone ? alone_period : agent.vehicle().motion().stopped() ? stopped_period : moving_period;
+  const SimDuration usual_period = agent.vehicle().motion().stopped() ? stopped_period : moving_period;
+  const SimDuration period = alone ? alone_period : mode_.dense ? intent_interval_min : usual_period;
   const bool due = requested_ || since >= period || since < SimDuration::zero();
   if (!due && alone) return;
   const zone::TrafficZone& zone = context.zone();
@@ -89,7 +139,7 @@ void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Sessio
   requested_ = false;
   published_at_ = now;
   last_intent_ = intent;
-  session.publish(now, *cell_, std::move(intent), effects);
+  session.publish(now, *cell_, std::move(intent), effects, mode_.direct);
 }
 
 void V2xParticipant::archive(Archive& archive) {

@@ -30,9 +30,9 @@ void each_crossing(const VehicleState& vehicle, const zone::TrafficZone& zone, c
   const OrderBook& order = vehicle.order();
   const bool goes_on = order.active() && vehicle.holds().bits() == 0 && !vehicle.progress().cancelling();
   const double base_m = order.distance_to_base_end_m();
-  static thread_local std::vector<CrossingSpan> ahead;  // reused in every cycle of every vehicle
-  crossing_spans.ahead(vehicle.position().outlook(), intent_reach_m, wire::Intent::crossings_max, ahead);
-  for (const CrossingSpan& crossing_span : ahead) {
+  static thread_local std::vector<CrossingSpan> listed;  // reused in every cycle of every vehicle
+  crossing_spans.ahead(vehicle.position().outlook(), intent_reach_m, wire::Intent::crossings_max, listed);
+  for (const CrossingSpan& crossing_span : listed) {
     const bool ends_there = !order.horizon_left() && base_m > crossing_span.entry_m;
     const bool may_enter = crossing_span.entry_m <= 0.0 ||
                            (order.active() && (base_m >= crossing_span.chain_exit_m - rounding_m || ends_there));
@@ -64,12 +64,12 @@ bool has_position(const VehicleState& vehicle, const zone::TrafficZone& zone) {
 }
 
 void add_route(const VehicleState& vehicle, const zone::TrafficZone& zone, wire::Intent& intent) {
-  zone::SectionLookAhead ahead = section_look_ahead(zone.circuit, vehicle.position().outlook());
+  zone::SectionLookAhead look_ahead = section_look_ahead(zone.circuit, vehicle.position().outlook());
   double left_m = intent_reach_m + vehicle.position().track_position().s_m;
   for (std::size_t i = 0; i < wire::Intent::route_max; ++i) {
-    left_m -= zone.circuit.section(ahead.section()).length_m();
-    if (left_m <= 0.0 || !ahead.step()) return;
-    const std::string& name = zone.circuit.part(ahead.section()).name;
+    left_m -= zone.circuit.section(look_ahead.section()).length_m();
+    if (left_m <= 0.0 || !look_ahead.step()) return;
+    const std::string& name = zone.circuit.part(look_ahead.section()).name;
     if (name.size() > name_bytes_max) return;
     intent.route.push_back(name);
   }
@@ -122,6 +122,20 @@ wire::Intent compose_intent(const Agent& agent, const zone::TrafficZone& zone, c
   add_crossings(agent, zone, crossing_spans, intent);
   add_route(agent.vehicle(), zone, intent);
   return intent;
+}
+
+wire::Body body_of(const wire::Intent& intent, const zone::VehicleShape& shape) {
+  const auto [sin, cos] = sincos(intent.pose.heading_rad);
+  const double radius_m = 0.5 * shape.width_m;
+  return {{},
+          {},
+          intent.pose.x_m,
+          intent.pose.y_m,
+          intent.pose.heading_rad,
+          std::max(0.0, shape.length_m - 2.0 * radius_m),
+          radius_m,
+          intent.speed_mps * cos,
+          intent.speed_mps * sin};
 }
 
 }  // namespace cosiva::aiv

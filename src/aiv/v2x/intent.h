@@ -2,6 +2,7 @@
 
 #include "cosiva/aiv/decision/agent.h"
 #include "cosiva/aiv/order/crossing_finder.h"
+#include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
 
 namespace cosiva::aiv {
@@ -25,5 +26,8 @@ inline constexpr double intent_reach_m = 3.0;
 /// fifty times a second and therefore composes nothing.
 [[nodiscard]] bool is_news(const wire::Intent& published, const Agent& agent, const zone::TrafficZone& zone,
                            const CrossingFinder& crossing_spans);
+
+/// The body of the sender, whose vehicle is of this zone, and its motion.
+[[nodiscard]] wire::Body body_of(const wire::Intent& intent, const zone::VehicleShape& shape);
 
 }  // namespace cosiva::aiv

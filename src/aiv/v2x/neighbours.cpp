@@ -128,20 +128,6 @@ void Neighbours::age(SimTime now) {
   }
 }
 
-wire::Body Neighbours::body_of(const wire::Intent& intent) const {
-  const auto [sin, cos] = sincos(intent.pose.heading_rad);
-  const double radius_m = 0.5 * zone_.vehicle.width_m;
-  return {{},
-          {},
-          intent.pose.x_m,
-          intent.pose.y_m,
-          intent.pose.heading_rad,
-          std::max(0.0, zone_.vehicle.length_m - 2.0 * radius_m),
-          radius_m,
-          intent.speed_mps * cos,
-          intent.speed_mps * sin};
-}
-
 Others Neighbours::around(SimTime now, const Agent& agent) {
   Others others;
   age(now);
@@ -155,7 +141,7 @@ Others Neighbours::around(SimTime now, const Agent& agent) {
 void Neighbours::find_leader(SimTime now, const Agent& agent, Others& others) {
   gap_.update(agent.vehicle().position().outlook());
   for (const KnownIntent& received : received_) {
-    const wire::Body body = body_of(*received.intent);
+    const wire::Body body = body_of(*received.intent, zone_.vehicle);
     const double carried_s = to_seconds(std::min(now - received.at, model_.carry_max));
     const double gap_m = gap_.gap_m(body, carried_s);
     if (!(gap_m < others.leader_gap_m)) continue;
@@ -169,9 +155,9 @@ void Neighbours::find_rivals(SimTime now, const Agent& agent, Others& others) {
   const double stop_m = agent.decision().crossing_ahead_m;
   if (!std::isfinite(stop_m)) return;
   crossing_finder_.ahead(agent.vehicle().position().outlook(), stop_m + entry_slack_m, wire::Intent::crossings_max,
-                         ahead_);
+                         approached_);
   const auto in_chain = [&](const wire::CrossingIntent& crossing) {
-    return std::ranges::any_of(ahead_, [&](const CrossingSpan& crossing_span) {
+    return std::ranges::any_of(approached_, [&](const CrossingSpan& crossing_span) {
       return crossing_span.entry_m >= stop_m - entry_slack_m &&
              zone_.crossings[crossing_span.crossing].name == crossing.name;
     });

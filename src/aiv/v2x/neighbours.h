@@ -72,7 +72,6 @@ class Neighbours {
   [[nodiscard]] bool leaps(const KnownIntent& before, SimTime now, const wire::Intent& intent) const;
   void find_leader(SimTime now, const Agent& agent, Others& others);
   void find_rivals(SimTime now, const Agent& agent, Others& others);
-  [[nodiscard]] wire::Body body_of(const wire::Intent& intent) const;
 
   const zone::TrafficZone& zone_;
   wire::VehicleId self_;
@@ -84,7 +83,7 @@ class Neighbours {
   /// None of them was received before `oldest_at_` or after `newest_at_`.
   SimTime oldest_at_{SimTime::max()};
   SimTime newest_at_{SimTime::min()};
-  std::vector<CrossingSpan> ahead_;
+  std::vector<CrossingSpan> approached_;
 };
 [[nodiscard]] std::string_view to_string(Neighbours::Verdict verdict);
 

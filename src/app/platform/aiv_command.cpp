@@ -1,12 +1,16 @@
 #include "cosiva/app/platform/aiv_command.h"
 
 #include <charconv>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "cosiva/adapters/unix_ports.h"
+#include "cosiva/adapters/v2x/direct_ports.h"
+#include "cosiva/adapters/v2x/multicast_link.h"
 #include "cosiva/aiv/onboard/onboard_core.h"
 #include "cosiva/app/cli/console.h"
+#include "cosiva/app/platform/direct_link.h"
 #include "cosiva/app/platform/part.h"
 #include "cosiva/app/resources/rule_files.h"
 #include "cosiva/base/json_writer.h"
@@ -54,6 +58,13 @@ int run_aiv(const AivArguments& arguments) {
     options.zone = (*zone)->configuration();
     options.rtm = std::move(*zone);
   }
+  if (arguments.direct.link_loss == "finish-base") options.link_loss = aiv::LinkLoss::finish_base;
+  auto direct = direct_link_options(arguments.direct, options.id);
+  if (!direct) return report_error(direct.error());
+  if (*direct && !options.v2x)
+    return report_error({"aiv.v2x", "is off, and a direct link carries V2X messages only", "--v2x"});
+  options.v2x_direct = direct->has_value();
+  if (arguments.direct.autonomy == "negotiate") options.autonomy = aiv::Autonomy::negotiate;
   auto live = live_options(arguments.part, "aiv", "aiv" + std::to_string(arguments.number), aiv::to_json(options));
   if (!live) return report_error(live.error());
   live->state_file = arguments.state_file;
@@ -61,9 +72,16 @@ int run_aiv(const AivArguments& arguments) {
 
   EventLoop loop;
   aiv::OnboardCore core{options};
-  LiveShell shell{loop, core, std::move(*live), [&](const PortHandlers& handlers) {
-                    return adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(), handlers);
-                  }};
+  const adapters::MulticastLink* link = nullptr;
+  LiveShell shell{
+      loop, core, std::move(*live), [&](const PortHandlers& handlers) -> Result<std::unique_ptr<adapters::Ports>> {
+        auto boards = adapters::connect_unix_ports(loop, arguments.sockets_directory, core.ports(), handlers);
+        if (!boards || !*direct) return boards;
+        auto opened = adapters::open_multicast(loop, **direct, handlers);
+        if (!opened) return tl::unexpected(opened.error());
+        link = opened->get();
+        return std::make_unique<adapters::DirectPorts>(std::move(*boards), std::move(*opened));
+      }};
   const auto summary = [&] {
     JsonWriter json;
     json.begin_object().field("number", arguments.number).field("speed", core.estimated_speed_mps()).key("estimated");
@@ -72,6 +90,7 @@ int run_aiv(const AivArguments& arguments) {
     } else {
       json.null();
     }
+    if (link != nullptr) report_counters(json, *link);
     json.end_object();
     return json.take();
   };

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cosiva/app/cli/common_arguments.h"
+#include "cosiva/app/platform/direct_arguments.h"
 
 namespace cosiva::app {
 
@@ -20,6 +21,7 @@ struct AivArguments {
   std::string rules{"crisp"};  ///< crisp, fuzzy or a file
   bool v2x{true};
   bool rali{true};  ///< the vehicle has this board
+  DirectArguments direct;
 };
 
 /// `cosiva aiv`: the on-board program of one AIV alone. Gives the exit status: 0 done, 1 the run's own checks failed, 2

@@ -35,6 +35,36 @@ void add_part(Command command, PartArguments& part) {
   command.add_flag("--announce", part.announce).hidden();
 }
 
+void add_direct(Command command, DirectArguments& direct) {
+  const Option multicast =
+      command
+          .add_option("--v2x-multicast", direct.multicast,
+                      "AIVs send V2X messages to each other directly, too, by UDP to this group, such as "
+                      "239.192.7.50:7500 or [ff15::c051:7a]:7500 (docs/guide/direct_link.md)")
+          .value_name("GROUP:PORT");
+  const Option key =
+      command
+          .add_option("--v2x-key", direct.key_file, "with --v2x-multicast: file of 32 random bytes that all AIVs have")
+          .value_name("FILE")
+          .needs(multicast);
+  multicast.needs(key);
+  command.add_option("--v2x-interface", direct.interface_name, "with --v2x-multicast: network interface, such as wlan0")
+      .value_name("NAME")
+      .needs(multicast);
+  command
+      .add_option("--link-loss", direct.link_loss,
+                  "500 ms after the last message of broker or server an AIV brakes, or finishes its base while it "
+                  "receives V2X messages of all AIVs there")
+      .one_of({"brake", "finish-base"})
+      .show_default();
+  command
+      .add_option("--autonomy", direct.autonomy,
+                  "who decides which AIV enters a crossing: the server, or the AIVs among themselves over the direct "
+                  "link, while the server observes (negotiate; with --v2x-multicast)")
+      .one_of({"server", "negotiate"})
+      .show_default();
+}
+
 void add_limits(Command command, ServerLimitArguments& limits) {
   command.add_option("--vehicles-max", limits.vehicles_max, "vehicles that the server accepts")
       .value_name("N")
@@ -121,6 +151,7 @@ void describe_up(Command command, UpArguments& up) {
       .in_range(0.0, 0.9);
   command.add_switch("--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
   add_equipment(command, up.line_tracking, up.without_rali);
+  add_direct(command, up.direct);
   command.add_switch("--convoys", up.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   add_limits(command, up.limits);
@@ -153,6 +184,11 @@ void describe_server(Command command, ServerArguments& server) {
       .value_name("URL");
   command.add_flag("--no-drive", server.no_drive, "monitor only: another master control gives the orders");
   command.add_switch("--v2x", server.v2x, "its virtual AIVs send V2X messages about their intent to AIVs nearby");
+  command
+      .add_option("--autonomy", server.autonomy,
+                  "who decides which AIV enters a crossing: this server, or the AIVs among themselves (negotiate)")
+      .one_of({"server", "negotiate"})
+      .show_default();
   command.add_switch("--convoys", server.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   add_limits(command, server.limits);
@@ -224,6 +260,7 @@ void describe_aiv(Command command, AivArguments& aiv) {
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
   command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_switch("--rali", aiv.rali, "it has the board RALI; without, its charge is unknown");
+  add_direct(command, aiv.direct);
   command.add_flag("--emulated", aiv.emulated,
                    "its radio is the emulated world's, where scenarios can cause message loss");
   command.footer(

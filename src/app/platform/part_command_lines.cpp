@@ -58,6 +58,12 @@ Argv PartCommandLines::aiv(std::uint32_t number, const zone::TrackPosition& star
   const auto& without_rali = plan_.arguments.without_rali;
   if (std::ranges::count(without_rali, name) + std::ranges::count(without_rali, "all") > 0)
     append(line, {"--rali", "off"});
+  const DirectArguments& direct = plan_.arguments.direct;
+  option(line, "--v2x-multicast", direct.multicast);
+  option(line, "--v2x-key", direct.key_file);
+  option(line, "--v2x-interface", direct.interface_name);
+  if (direct.link_loss != DirectArguments{}.link_loss) append(line, {"--link-loss", direct.link_loss});
+  if (direct.autonomy != DirectArguments{}.autonomy) append(line, {"--autonomy", direct.autonomy});
   return line;
 }
 
@@ -98,6 +104,7 @@ Argv PartCommandLines::server(const ServerProgress& progress) const {
   append(line, {"--vehicle-rate-max", number_text(arguments.limits.vehicle_rate_max_per_s)});
   option(line, "--rules", arguments.rules);
   if (!arguments.v2x) append(line, {"--v2x", "off"});
+  if (arguments.direct.autonomy != DirectArguments{}.autonomy) append(line, {"--autonomy", arguments.direct.autonomy});
   if (!arguments.convoys) append(line, {"--convoys", "off"});
   if (arguments.headless) append(line, {"--headless"});
   option(line, "--web", arguments.web_directory);

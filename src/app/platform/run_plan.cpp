@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "cosiva/app/cli/console.h"
+#include "cosiva/app/platform/direct_link.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/app/resources/rule_files.h"
 #include "cosiva/app/resources/zone_files.h"
@@ -55,6 +56,11 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     scenario_file = absolute(loaded->file);
     scenario = std::move(loaded->scenario);
   }
+
+  // Each vehicle opens the link; a bad key is reported here, once.
+  if (const auto direct = direct_link_options(merged.direct, {}); !direct) return tl::unexpected(direct.error());
+  if (!merged.direct.multicast.empty() && !merged.v2x)
+    return fail("up.v2x", "is off, and a direct link carries V2X messages only", "--v2x");
 
   std::optional<aiv::SpeedRules> rules;
   if (!merged.rules.empty()) {

@@ -192,6 +192,7 @@ int run_server(const ServerArguments& arguments) {
   options.drive = !arguments.no_drive;
   options.v2x = arguments.v2x;
   options.convoys = arguments.convoys;
+  options.negotiated_crossings = arguments.autonomy == "negotiate";
   options.map_download_link = arguments.map_link;
   options.vehicles_max = arguments.limits.vehicles_max;
   options.entries_expire_after = from_seconds(arguments.limits.entries_expire_s);

@@ -21,6 +21,7 @@ struct ServerArguments {
   bool no_drive{false};
   bool v2x{true};  ///< of its virtual AIVs
   bool convoys{true};
+  std::string autonomy{"server"};
   ServerLimitArguments limits;
   bool headless{false};
   std::string web_directory;

@@ -7,6 +7,7 @@
 
 #include "cosiva/app/cli/common_arguments.h"
 #include "cosiva/app/gvs/gvs_source.h"
+#include "cosiva/app/platform/direct_arguments.h"
 #include "cosiva/app/platform/limit_arguments.h"
 
 namespace cosiva::app {
@@ -47,6 +48,7 @@ struct UpArguments {
   std::string trace_file;
   std::string web_directory;
   bool v2x{true};
+  DirectArguments direct;
   bool convoys{true};
   bool gvs{false};  ///< a camera observes the zone
   GvsSource gvs_source;

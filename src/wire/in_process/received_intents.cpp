@@ -14,9 +14,10 @@
 namespace cosiva::wire {
 namespace {
 
-struct KnownIntent {
+template <typename Message>
+struct KnownMessage {
   std::string json;
-  std::shared_ptr<const Intent> intent;
+  std::shared_ptr<const Message> message;
 };
 
 /// Large enough for a fleet of a hundred vehicles until every receiver has read each message. A message whose slot has
@@ -38,17 +39,28 @@ std::size_t slot_of(std::string_view text) {
   return static_cast<std::size_t>(fiducial.value() >> 32U) % slots;
 }
 
+template <typename Message, typename Read>
+Result<std::shared_ptr<const Message>> received_message(std::string_view json,
+                                                        std::array<KnownMessage<Message>, slots>& received, Read read) {
+  KnownMessage<Message>& slot = received[slot_of(json)];
+  if (slot.message && slot.json == json) return slot.message;
+  auto message = read(json);
+  if (!message) return tl::unexpected(message.error());
+  slot.json.assign(json);
+  slot.message = std::make_shared<const Message>(std::move(*message));
+  return slot.message;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Intent>> received_intent(std::string_view json) {
-  static thread_local std::array<KnownIntent, slots> received;
-  KnownIntent& slot = received[slot_of(json)];
-  if (slot.intent && slot.json == json) return slot.intent;
-  auto intent = intent_from_json(json);
-  if (!intent) return tl::unexpected(intent.error());
-  slot.json.assign(json);
-  slot.intent = std::make_shared<const Intent>(std::move(*intent));
-  return slot.intent;
+  static thread_local std::array<KnownMessage<Intent>, slots> received;
+  return received_message(json, received, intent_from_json);
+}
+
+Result<std::shared_ptr<const CrossingClaims>> received_claims(std::string_view json) {
+  static thread_local std::array<KnownMessage<CrossingClaims>, slots> received;
+  return received_message(json, received, crossing_claims_from_json);
 }
 
 Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "cosiva/base/result.h"
+#include "cosiva/wire/own/crossing_claims.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -15,6 +16,9 @@ namespace cosiva::wire {
 [[nodiscard]] Result<std::shared_ptr<const Intent>> received_intent(std::string_view json);
 /// Likewise, of a message that may have been passed on as values (said.h).
 [[nodiscard]] Result<std::shared_ptr<const Intent>> received_intent(const Input& input);
+
+/// Likewise, the result of crossing_claims_from_json.
+[[nodiscard]] Result<std::shared_ptr<const CrossingClaims>> received_claims(std::string_view json);
 
 /// The result of parse_v2x_topic, cached likewise; null where that gives nothing. Valid until the next call.
 [[nodiscard]] const V2xTopic* received_v2x_topic(std::string_view topic);

@@ -9,6 +9,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/experiments/runs/scenario/scenario_player.h"
 #include "cosiva/experiments/runs/world/core_store.h"
+#include "cosiva/experiments/runs/world/ether.h"
 #include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/fleet.h"
 #include "cosiva/physical/plant/plant_options.h"
@@ -17,6 +18,7 @@
 #include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
+#include "cosiva/wire/own/v2x_port.h"
 #include "cosiva/zone/rtm/rtm_builder.h"
 
 namespace cosiva::experiments {
@@ -195,6 +197,7 @@ struct World::Impl {
   struct Streams {
     std::deque<Bytes> bytes;       ///< the delay is constant, so the order is first in, first out
     std::deque<StreamText> texts;  ///< likewise, of the streams that carry no values
+    Ether ether;                   ///< between vehicles
   };
   Streams streams;
   struct Delivering {
@@ -287,7 +290,10 @@ struct World::Impl {
         if (id == plant_id || !watched.passes || watched.passes(table.process_of(id), *publish))
           publish_from(actor, now, network, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
-        send_bytes(id, *send);
+        if (wire::v2x_port_number(send->port))
+          streams.ether.broadcast(now, id, {std::string(wire::our_manufacturer), actor.name}, *send);
+        else
+          send_bytes(id, *send);
       } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
         actor.listens = listen->filters;
         if (actor.linked) network.listen(now, actor.client, listen->filters);
@@ -309,6 +315,7 @@ struct World::Impl {
       if (radio->vehicle != "*" && radio->vehicle != std::string(wire::our_manufacturer) + "/" + actor.name) continue;
       actor.radio_loss = radio->loss;
       if (actor.linked) network.set_loss(actor.client, radio->loss);
+      streams.ether.set_loss(id, radio->loss);
     }
   }
 
@@ -337,6 +344,7 @@ struct World::Impl {
     if (left.persisted) feed(id, wire::InputKind::restore, "state", std::move(*left.persisted));
     for (wire::Input& command : left.accepted) actor.earlier_commands.emplace_back(std::move(command.payload), nullptr);
     give_earlier_commands(id);
+    if (table.is_aiv(id)) streams.ether.join(now, id, actor.radio_loss);
     ticks.push({first_tick(actor, now, options.cycle.has_value()), sequence++, id, actor.generation});
     link(id);
   }
@@ -367,6 +375,7 @@ struct World::Impl {
     actor.effects_to_live.reset();
     finished.add(actor.runner->digest().value());
     if (std::exchange(actor.linked, false)) network.break_connection(now, actor.client);
+    streams.ether.leave(now, id);
     actor.earlier_commands.clear();
     if (actor.store) actor.store->on_killed();
     if (table.is_aiv(id)) notify_ports(id, plant_id, "down");
@@ -392,12 +401,14 @@ struct World::Impl {
     onboard.rules = options.rules;
     onboard.v2x = options.v2x;
     onboard.rali = number > options.equipment.size() || options.equipment[number - 1].rali;
+    onboard.v2x_direct = options.radio.has_value();
     onboard.as_values = options.as_values;
     onboard.cycle = options.cycle.value_or(onboard.cycle);
     if (first_time) {
       const zone::TrackPosition position = starts.positions[number - 1];
       onboard.start = {starts.section_names[position.section], position.s_m};
     }
+    if (options.adapt_aiv) options.adapt_aiv(onboard);
     std::string configuration = aiv::to_json(onboard);
     start(id, std::make_unique<aiv::OnboardCore>(std::move(onboard)), "aiv", std::move(configuration));
     if (!actors[plant_id].alive) return;
@@ -422,6 +433,7 @@ struct World::Impl {
     SimTime next = ticks.empty() ? SimTime::max() : ticks.top().at;
     if (!streams.bytes.empty()) next = std::min(next, streams.bytes.front().at);
     if (const auto due_at = network.next_due()) next = std::min(next, *due_at);
+    if (const auto due_at = streams.ether.next_due()) next = std::min(next, *due_at);
     for (CoreStore* const store : table.stores) {
       if (const auto due_at = store->next_due()) next = std::min(next, std::max(now, *due_at));
     }
@@ -465,6 +477,9 @@ struct World::Impl {
     }
     if (const auto due_at = network.next_due(); due_at && *due_at <= now)
       network.deliver_due(now, [this](wire::Network::Delivery& delivery) { deliver(delivery); });
+    streams.ether.deliver_due(now, [this](ActorId to, wire::Network::Delivery& delivery) {
+      feed(to, wire::InputKind::bytes, delivery.topic, delivery.payload, false, std::move(delivery.typed));
+    });
     for (CoreStore* const store : table.stores) {
       if (const auto due_at = store->next_due(); due_at && *due_at <= now) store->work(now);
     }
@@ -623,6 +638,7 @@ World::Impl::Impl(WorldOptions o)
     : options{std::move(o)},
       network{options.seed, options.network},
       table{options.aivs},
+      streams{.bytes = {}, .texts = {}, .ether = {options.seed, options.radio}},
       faults{std::make_unique<Faults>(*this)} {}
 
 const FaultInjection::Observer& World::Impl::observer() const { return faults->observer(); }

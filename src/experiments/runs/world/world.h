@@ -37,6 +37,10 @@ struct WorldOptions {
   aiv::SpeedRules rules;  ///< of the physical AIVs; virtual AIVs have the server's
   bool v2x{true};         ///< likewise
   std::vector<physical::VehicleEquipment> equipment{};  ///< as PlantOptions::equipment
+  /// Physical AIVs have a direct link to each other, with these faults and its own random numbers; nothing: none.
+  std::optional<wire::NetworkFaults> radio{};
+  /// What is special about the options of a physical AIV; empty: nothing.
+  std::function<void(aiv::OnboardOptions&)> adapt_aiv{};
   virtual_side::ServerOptions server;
   /// Orders, frequent messages of vehicles and the frames of their boards are passed on as values, without writing or
   /// reading texts and bytes (wire/in_process/typed_message.h, board_frames.h): the same run, to the last bit of all

@@ -26,8 +26,10 @@ class VirtualFleet {
  public:
   /// @param rules  the rules of their speed choice; must outlive the fleet
   /// @param v2x    whether they exchange V2X messages with vehicles nearby
-  VirtualFleet(Registry& registry, MessagePublisher& publisher, const aiv::SpeedRules& rules, bool v2x)
-      : registry_{registry}, publisher_{publisher}, rules_{rules}, v2x_{v2x} {}
+  /// @param open   whether virtual AIVs may be added
+  VirtualFleet(Registry& registry, MessagePublisher& publisher, const aiv::SpeedRules& rules, bool v2x,
+               bool open = true)
+      : registry_{registry}, publisher_{publisher}, rules_{rules}, v2x_{v2x}, open_{open} {}
   VirtualFleet(const VirtualFleet&) = delete;  // other components hold references to the fleet
   VirtualFleet& operator=(const VirtualFleet&) = delete;
 
@@ -46,6 +48,7 @@ class VirtualFleet {
   [[nodiscard]] static zone::TrackPosition position_of(const Host& host, const zone::Circuit& circuit);
   [[nodiscard]] const std::deque<Host>& hosts() const { return hosts_; }
   [[nodiscard]] bool empty() const { return hosts_.empty(); }
+  [[nodiscard]] bool open() const { return open_; }
 
   void link(SimTime now, bool up);
   void zone(SimTime now, const std::shared_ptr<const zone::Rtm>& rtm);
@@ -71,6 +74,7 @@ class VirtualFleet {
   MessagePublisher& publisher_;
   const aiv::SpeedRules& rules_;
   bool v2x_;
+  bool open_;
   std::deque<Host> hosts_;
   wire::Effects effects_;
 };

@@ -130,6 +130,12 @@ Result<VirtualObjectCommand> VirtualObjectCommands::read(const AddCommand& comma
                 "there are " + std::to_string(Augmented::virtual_objects_max) +
                     " virtual objects already; remove one that is no longer needed, then try again");
   }
+  if (requested.is_aiv && !fleet_.open())
+    return fail(
+        "virtual_object.negotiate",
+        "the vehicles agree on crossings among themselves (--autonomy negotiate), in which a virtual AIV takes no "
+        "part; add a person or an obstacle",
+        "kind");
   if (requested.is_aiv) {
     const wire::VehicleId vehicle{std::string(wire::virtual_manufacturer), requested.id};
     if (!registry_.find(wire::to_string(vehicle)) && registry_.full() && !registry_.removable())

@@ -14,7 +14,8 @@ namespace cosiva::virtual_side {
 struct AugmentedParts {
   ServerContext& server;
   MasterControl& master;
-  VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x};
+  VirtualFleet hosted{server.registry, server.publisher, server.options.virtual_rules, server.options.v2x,
+                      !server.options.negotiated_crossings};
   RestoredAivs restored{};
   ThirdPartyPause pauses{server.registry, master.traffic, server.publisher, master.actions, server.simulator};
   VirtualObstaclePublisher virtual_obstacles{server.registry,  server.publisher, server.traces,

@@ -19,7 +19,8 @@ namespace cosiva::virtual_side {
 /// members refer to each other and to the context: a master control stays where it was made.
 struct MasterControl {
   ServerContext& served;
-  Traffic traffic{{.convoys = served.options.convoys}};
+  Traffic traffic{{.convoys = served.options.convoys && !served.options.negotiated_crossings,
+                   .negotiated = served.options.negotiated_crossings}};
   InstantActionSender actions{served.publisher};
   Missions missions{served.registry, served.publisher};
   MissionRequests mission_requests{served.registry, served.publisher, missions};

@@ -94,6 +94,7 @@ std::string to_json(const ServerOptions& options) {
       .field("vehicle_messages_per_s_max", options.vehicle_messages_per_s_max);
   json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
   json.field("v2x", options.v2x).field("convoys", options.convoys);
+  if (options.negotiated_crossings) json.field("negotiatedCrossings", true);
   aiv::write_json(json.key("virtual_rules"), options.virtual_rules);
   json.end_object();
   return json.take();
@@ -125,6 +126,7 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   // A journal from before there were V2X, convoys or rules lives through its time again without them.
   options.v2x = json->flag("v2x").value_or(false);
   options.convoys = json->flag("convoys").value_or(false);
+  options.negotiated_crossings = json->flag("negotiatedCrossings").value_or(false);
   options.virtual_rules = {};
   if (const JsonValue* rules = json->find("virtual_rules"); rules != nullptr && !rules->is_null()) {
     auto read = aiv::speed_rules_from_json(*rules);

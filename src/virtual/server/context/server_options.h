@@ -44,8 +44,9 @@ struct ServerOptions {
   double vehicle_messages_per_s_max{500.0};
   /// Where vehicles that download their maps find the zone's; empty: nowhere, so they are not asked to.
   std::string map_download_link;
-  bool v2x{true};      ///< its virtual AIVs talk with those near them
-  bool convoys{true};  ///< vehicles of one way pass a crossing together when it pays (Traffic)
+  bool v2x{true};                    ///< its virtual AIVs talk with those near them
+  bool negotiated_crossings{false};  ///< its vehicles agree on crossings among themselves; virtual AIVs cannot be added
+  bool convoys{true};                ///< vehicles of one way pass a crossing together when it pays (Traffic)
   /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
   aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
 };

@@ -314,6 +314,11 @@ Traffic::Response Traffic::request(VehicleIndex vehicle, double exit_m, double s
   mine->has_room = ahead.distance_m >= room_m;
 
   const CrossingIndex first = mine->crossings.empty() ? 0 : mine->crossings.front();
+  if (rules_.negotiated) {
+    if (!mine->has_room) return {false, first, ahead.vehicle, WaitReason::ahead};
+    queue_.erase(mine);
+    return {true, first, no_vehicle, WaitReason::crossing};
+  }
   for (const CrossingIndex x : mine->crossings) {
     const VehicleIndex holder = holders_[x];
     if (holder != no_vehicle && holder != vehicle && !only_follows(holder, vehicle, mine->crossings))

@@ -33,6 +33,7 @@ struct TrafficRules {
   double lost_s_max{5.0};     ///< maximum total time that a request loses to vehicles that go before it out of turn
   bool convoys{true};         ///< several vehicles of one direction may pass a chain together when this saves time
   std::size_t convoy_max{3};  ///< maximum number in a row
+  bool negotiated{false};     ///< vehicles agree on crossings among themselves; a chain needs only room beyond it
 };
 
 /// Decides which vehicle may drive where: the leader of each vehicle, and the crossings (release is reservation).
@@ -60,6 +61,9 @@ struct TrafficRules {
 /// With convoys, a vehicle that has to wait for a third vehicle also lets other vehicles pass that will have left by
 /// then, or that cost it no more than the remainder of its `lost_s_max`. Without this rule, vehicles of opposite
 /// directions that are out of step would pass one after the other permanently, where they could pass together.
+///
+/// Where vehicles agree on crossings among themselves (`negotiated`), a request is granted when there is room beyond
+/// the chain: bases of several vehicles lead through one crossing, and holds only show where bases lead.
 ///
 /// The leader of a vehicle is searched for along its own course; without a course, along default successors. Of two
 /// vehicles that took different branches neither is ahead of the other once their bodies are clear of each other.

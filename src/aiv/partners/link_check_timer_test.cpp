@@ -1,4 +1,4 @@
-#include "cosiva/aiv/onboard/link_check_timer.h"
+#include "cosiva/aiv/partners/link_check_timer.h"
 
 #include <gtest/gtest.h>
 

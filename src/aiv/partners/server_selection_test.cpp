@@ -1,4 +1,4 @@
-#include "cosiva/aiv/onboard/server_selection.h"
+#include "cosiva/aiv/partners/server_selection.h"
 
 #include <gtest/gtest.h>
 
