@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cosiva/aiv/localisation/persisted_position.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/onboard_fixture.h"
-#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::aiv {

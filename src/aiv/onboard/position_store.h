@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/aiv/localisation/persisted_position.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/onboard_options.h"
 #include "cosiva/aiv/onboard/periodic.h"
-#include "cosiva/aiv/onboard/persisted_position.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
 

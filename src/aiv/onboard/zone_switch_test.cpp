@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cosiva/aiv/localisation/persisted_position.h"
 #include "cosiva/aiv/onboard/onboard_fixture.h"
-#include "cosiva/aiv/onboard/persisted_position.h"
 
 namespace cosiva::aiv {
 namespace {

@@ -32,8 +32,9 @@ struct WheelReadings {
   };
   Motor left{};
   Motor right{};
-  DemsRow dems{};        ///< the leading row
-  double supply_v{5.0};  ///< at BRAC
+  DemsRow dems{};          ///< the leading row
+  double supply_v{5.0};    ///< at BRAC
+  bool rear_leads{false};  ///< the vehicle travels in indirect direction
 };
 
 /// Line tracking (A16): odometry out at 50 Hz, Drive in; the motors stop by themselves 300 ms after the last valid

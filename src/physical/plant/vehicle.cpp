@@ -45,9 +45,7 @@ Vehicle::Vehicle(std::uint32_t number, std::shared_ptr<const Floor> floor, zone:
       power_{cells, stream(seed, number, "gauge")},
       boards_{number, equipment, noise, stream(seed, number, "ranges")},
       trip_{floor_->loop_length_m},
-      seed_{seed} {
-  boards_.select_rear_sensor(floor_->zone->circuit.indirect());
-}
+      seed_{seed} {}
 
 void Vehicle::power_up(SimTime now, std::uint64_t seed) {
   boards_.power_up(now, stream(seed ^ static_cast<std::uint64_t>(now.time_since_epoch().count()), number_, "session"));
@@ -136,7 +134,6 @@ void Vehicle::set_zone(std::shared_ptr<const Floor> floor) {
   floor_ = std::move(floor);
   trip_.begin_floor(floor_->loop_length_m);
   motion_.set_zone(floor_->zone->circuit, turns);
-  boards_.select_rear_sensor(floor_->zone->circuit.indirect());
   tag_reader_.set_zone(floor_->tags);
   in_manoeuvre_ = false;
   awaits_floor_ = false;
@@ -185,7 +182,8 @@ WheelReadings Vehicle::wheel_readings() const {
           turned ? motor(right_mps, DeadMotor::right) : motor(left_mps, DeadMotor::left),
           turned ? motor(left_mps, DeadMotor::left) : motor(right_mps, DeadMotor::right),
           motion_.parts().dems.readings(),
-          supply_v - supply_ohm * current_a};
+          supply_v - supply_ohm * current_a,
+          floor_->zone->circuit.indirect()};
 }
 
 void Vehicle::speak(SimTime now, const Scan& scan, wire::Effects& effects) {

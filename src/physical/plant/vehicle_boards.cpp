@@ -92,6 +92,7 @@ void VehicleBoards::on_frames(SimTime now, const wire::BoardFrames& frames) {
 
 void VehicleBoards::speak(SimTime now, const WheelReadings& wheels, const Scan& scan, const PowerReadings& power,
                           wire::Effects& effects) {
+  dobs_.select_rear(wheels.rear_leads);
   COSIVA_EXPECT(due(now));
   if (batch_)
     speak_values(now, wheels, scan, power, effects);

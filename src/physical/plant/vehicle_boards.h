@@ -54,7 +54,6 @@ class VehicleBoards {
   [[nodiscard]] LineTracker& line_tracker() { return pils_.line_tracker(); }
   [[nodiscard]] const LineTracker& line_tracker() const { return pils_.line_tracker(); }
   [[nodiscard]] bool wants_scan(SimTime now) const { return dobs_.wants_scan(now) && dobs_.link().connected(); }
-  void select_rear_sensor(bool at_rear) { dobs_.select_rear(at_rear); }
   /// Whether speak() has anything to do; half of the time no board has.
   [[nodiscard]] bool due(SimTime now) const { return powered_ && now >= next_event_; }
   /// Lets the boards send what is due. Only when due(now) (checked). @param scan exact ranges, used only when

@@ -1,4 +1,4 @@
-#include "cosiva/aiv/onboard/persisted_position.h"
+#include "cosiva/aiv/localisation/persisted_position.h"
 
 #include <gtest/gtest.h>
 
