@@ -48,8 +48,8 @@ function key_file(t) {
   return file;
 }
 
-for (const [name, version] of Object.entries(groups)) {
-  test(`vehicles receive from each other by ${name} without a broker`, { timeout: 150_000, skip: version.name ? false : 'this machine has no network interface with IPv6' }, async (t) => {
+for (const [name, version] of Object.entries(groups).filter(([, { name: interface_name }]) => interface_name)) {
+  test(`vehicles receive from each other by ${name} without a broker`, { timeout: 150_000 }, async (t) => {
     const file = key_file(t);
     const key = readFileSync(file);
     const port = 20_000 + (process.pid % 20_000) + (name === 'IPv6' ? 1 : 0);

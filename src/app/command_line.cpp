@@ -95,7 +95,8 @@ int run_command_line(int argc, const char* const* argv) {
   if (zone_commands.zone.chosen())
     return zone_commands.zone.refuse("a subcommand is missing: check, show, convert, generate or switch");
   if (vehicle_commands.vehicle.chosen())
-    return vehicle_commands.vehicle.refuse("a subcommand is missing: list, exclude, include, retire, self-test, boards or line-tracking");
+    return vehicle_commands.vehicle.refuse(
+        "a subcommand is missing: list, exclude, include, retire, self-test, boards or line-tracking");
   print(root.help());
   return exit_done;
 }
