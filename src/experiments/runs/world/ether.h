@@ -22,7 +22,7 @@ class Ether {
  public:
   using Participant = std::size_t;
 
-  Ether(std::uint64_t seed, std::optional<wire::NetworkFaults> faults)
+  Ether(std::uint64_t seed, const std::optional<wire::NetworkFaults>& faults)
       : enabled_{faults.has_value()}, network_{seed ^ seed_of_its_own, faults.value_or(wire::NetworkFaults{})} {}
 
   /// A process starts. @param loss  ratio of lost messages around the vehicle
@@ -64,6 +64,7 @@ class Ether {
   static constexpr Participant left = static_cast<Participant>(-1);
   [[nodiscard]] static std::vector<std::string> filters() {
     std::vector<std::string> all;
+    all.reserve(wire::v2x_ports.size());
     for (const std::string_view port : wire::v2x_ports) all.push_back(std::string(port) + "/#");
     return all;
   }
