@@ -14,8 +14,8 @@ using ::testing::ElementsAre;
 using ::testing::Not;
 using wire::ActionStatus;
 using wire::Board;
+using wire::BoardPart;
 using wire::Finding;
-using wire::Part;
 
 const wire::BoardsReport::Line& line_of(const OnboardFixture& fixture, Board board) {
   return *std::ranges::find(fixture.boards_reports.back().boards, board, &wire::BoardsReport::Line::board);
@@ -24,7 +24,7 @@ const wire::BoardsReport::Line& line_of(const OnboardFixture& fixture, Board boa
 TEST(SelfTest, is_performed_by_each_board_and_ends_the_action_with_all_results) {
   OnboardFixture fixture;
   fixture.run(1.0);
-  fixture.findings[Board::PILS] = {{Part::controller}, {Part::DEMS}};
+  fixture.findings[Board::PILS] = {{BoardPart::controller}, {BoardPart::DEMS}};
   fixture.act("selfTest", "t1");
   fixture.run(0.5);
   ASSERT_TRUE(fixture.action("t1"));
@@ -32,14 +32,14 @@ TEST(SelfTest, is_performed_by_each_board_and_ends_the_action_with_all_results) 
   EXPECT_EQ(fixture.action("t1")->result_description, "PILS passed, PRAV passed, DOBS passed, RALI passed");
   fixture.run(0.6);
   EXPECT_THAT(line_of(fixture, Board::PILS).parts,
-              ElementsAre(wire::PartFinding{Part::controller}, wire::PartFinding{Part::DEMS}));
+              ElementsAre(wire::PartFinding{BoardPart::controller}, wire::PartFinding{BoardPart::DEMS}));
 }
 
 TEST(SelfTest, with_a_bad_part_fails_and_names_it) {
   OnboardFixture fixture;
   fixture.run(1.0);
-  fixture.findings[Board::PRAV] = {{Part::controller}, {Part::RFID, Finding::no_response}};
-  fixture.self_test[Board::PRAV] = wire::fault_code({Part::RFID, Finding::no_response});
+  fixture.findings[Board::PRAV] = {{BoardPart::controller}, {BoardPart::RFID, Finding::no_response}};
+  fixture.self_test[Board::PRAV] = wire::fault_code({BoardPart::RFID, Finding::no_response});
   fixture.act("selfTest", "t1");
   fixture.run(0.5);
   EXPECT_EQ(fixture.action("t1")->status, ActionStatus::failed);

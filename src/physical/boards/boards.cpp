@@ -91,14 +91,14 @@ void PilsBoard::send_parts(SimTime now, const WheelReadings& readings, BoardOutp
 }
 
 void PilsBoard::watch_parts(const WheelReadings& readings) {
-  if (line_tracker_.implausible()) link_.report_fault({wire::Part::DEMS, wire::Finding::implausible});
+  if (line_tracker_.implausible()) link_.report_fault({wire::BoardPart::DEMS, wire::Finding::implausible});
   // On the tightest curve of a line tracker the inner wheel turns at a third of the outer one's speed.
   constexpr double turning_mps = 0.05;
   constexpr int uneven_cycles_max = 10;
   const auto [slow_mps, fast_mps] =
       std::minmax({std::fabs(readings.left.speed_mps), std::fabs(readings.right.speed_mps)});
   uneven_cycles_ = fast_mps > turning_mps && slow_mps < 0.25 * fast_mps ? uneven_cycles_ + 1 : 0;
-  if (uneven_cycles_ >= uneven_cycles_max) link_.report_fault({wire::Part::PMOT, wire::Finding::does_not_turn});
+  if (uneven_cycles_ >= uneven_cycles_max) link_.report_fault({wire::BoardPart::PMOT, wire::Finding::does_not_turn});
 }
 
 std::vector<wire::PartFinding> PilsBoard::test_parts(const WheelReadings& readings) {
@@ -106,10 +106,10 @@ std::vector<wire::PartFinding> PilsBoard::test_parts(const WheelReadings& readin
   constexpr double supply_v_min = 4.5;
   const bool plausible = lt_implausible(&dems_geometry, readings.dems.data()) == 0;
   const bool turns = readings.left.turns && readings.right.turns;
-  return {{wire::Part::controller, Finding::passed},
-          {wire::Part::BRAC, readings.supply_v >= supply_v_min ? Finding::passed : Finding::low_supply},
-          {wire::Part::DEMS, plausible ? Finding::passed : Finding::implausible},
-          {wire::Part::PMOT, turns ? Finding::passed : Finding::does_not_turn}};
+  return {{wire::BoardPart::controller, Finding::passed},
+          {wire::BoardPart::BRAC, readings.supply_v >= supply_v_min ? Finding::passed : Finding::low_supply},
+          {wire::BoardPart::DEMS, plausible ? Finding::passed : Finding::implausible},
+          {wire::BoardPart::PMOT, turns ? Finding::passed : Finding::does_not_turn}};
 }
 
 std::optional<wire::Drive> PilsBoard::drive(SimTime now, double distance_m) {
@@ -156,10 +156,11 @@ SimTime PravBoard::next_due() const {
 
 void PravBoard::tick(SimTime now, BoardOutput out) {
   // PRAV polls its reader all the time, so a reader that does not respond is found at once.
-  const wire::PartFinding reader{wire::Part::RFID, reader_failed_ ? wire::Finding::no_response : wire::Finding::passed};
+  const wire::PartFinding reader{wire::BoardPart::RFID,
+                                 reader_failed_ ? wire::Finding::no_response : wire::Finding::passed};
   link_.report_fault(reader);
   if (const auto number = link_.take_self_test())
-    link_.finish_self_test(*number, {{wire::Part::controller}, reader, {wire::Part::AFFI}}, out);
+    link_.finish_self_test(*number, {{wire::BoardPart::controller}, reader, {wire::BoardPart::AFFI}}, out);
   link_.tick(now, out);
   std::erase_if(readings_, [&](const Reading& reading) {
     if (reading.read_at > now) return false;
@@ -183,7 +184,7 @@ void DobsBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame)
 
 void DobsBoard::tick(SimTime now, std::span<const double, beams> range_m, BoardOutput out) {
   if (const auto number = link_.take_self_test())
-    link_.finish_self_test(*number, {{wire::Part::controller}, {wire::Part::ranging}}, out);
+    link_.finish_self_test(*number, {{wire::BoardPart::controller}, {wire::BoardPart::ranging}}, out);
   link_.tick(now, out);
   if (!scan_.take(now)) return;
   auto& ranges = std::get<wire::Ranges>(ranges_);
@@ -205,7 +206,7 @@ void RaliBoard::on_frame(SimTime /*now*/, const wire::BoardFrames::Frame& frame)
 
 void RaliBoard::tick(SimTime now, const PowerReadings& readings, BoardOutput out) {
   if (const auto number = link_.take_self_test())
-    link_.finish_self_test(*number, {{wire::Part::controller}, {wire::Part::regulator}}, out);
+    link_.finish_self_test(*number, {{wire::BoardPart::controller}, {wire::BoardPart::regulator}}, out);
   link_.tick(now, out);
   if (!report_.take(now)) return;
   const double charge = std::clamp(readings.charge, 0.0, 1.0);

@@ -14,8 +14,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using wire::BoardPart;
 using wire::Finding;
-using wire::Part;
 
 constexpr wire::Drive cruise{400, 800, 1000, 0};
 
@@ -46,7 +46,7 @@ TEST_F(ModuleFaults, a_stuck_sensor_is_found_within_a_quarter_of_a_second_and_st
   ASSERT_GT(fixture.ground_truth(1).speed_mps, 0.3);
   inject(R"("fault":"stuck_sensor","sensor":7)");
   fixture.run_for(250ms);
-  EXPECT_EQ(any_code(), wire::fault_code({Part::DEMS, Finding::implausible}));
+  EXPECT_EQ(any_code(), wire::fault_code({BoardPart::DEMS, Finding::implausible}));
   fixture.run_for(750ms);
   EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
   const auto parts = fixture.received<wire::PilsParts>(1).back();
@@ -60,9 +60,10 @@ TEST_F(ModuleFaults, a_fault_stays_until_a_self_test_passes) {
   fixture.run_for(1500ms);
   request_self_test(1);
   ASSERT_EQ(fixture.received<wire::SelfTestResult>(1).size(), 4U);
-  EXPECT_THAT(fixture.received<wire::SelfTestResult>(1).front().parts,
-              ElementsAre(wire::PartFinding{Part::controller}, wire::PartFinding{Part::BRAC},
-                          wire::PartFinding{Part::DEMS, Finding::implausible}, wire::PartFinding{Part::PMOT}));
+  EXPECT_THAT(
+      fixture.received<wire::SelfTestResult>(1).front().parts,
+      ElementsAre(wire::PartFinding{BoardPart::controller}, wire::PartFinding{BoardPart::BRAC},
+                  wire::PartFinding{BoardPart::DEMS, Finding::implausible}, wire::PartFinding{BoardPart::PMOT}));
   fixture.run_for(1s);
   fixture.forget();
   fixture.run_for(1s);
@@ -81,14 +82,14 @@ TEST_F(ModuleFaults, a_dead_motor_turns_the_body_and_is_found_before_a_quarter_t
   const double heading_rad = fixture.ground_truth(1).X_MB.heading_rad;
   inject(R"("fault":"dead_motor","motor":"right")");
   fixture.run_for(1s);
-  EXPECT_EQ(any_code(), wire::fault_code({Part::PMOT, Finding::does_not_turn}));
+  EXPECT_EQ(any_code(), wire::fault_code({BoardPart::PMOT, Finding::does_not_turn}));
   EXPECT_EQ(fixture.ground_truth(1).speed_mps, 0.0);
   const double turned_rad = wrap_angle(fixture.ground_truth(1).X_MB.heading_rad - heading_rad);
   EXPECT_LT(turned_rad, -0.05) << "around its right wheel";
   EXPECT_GT(turned_rad, -0.5 * pi);
   request_self_test(1);
   EXPECT_EQ(fixture.received<wire::SelfTestResult>(1).front().parts.back(),
-            (wire::PartFinding{Part::PMOT, Finding::does_not_turn}));
+            (wire::PartFinding{BoardPart::PMOT, Finding::does_not_turn}));
 }
 
 TEST_F(ModuleFaults, a_failed_reader_reads_no_tag_and_is_in_the_heartbeats_until_it_works_and_is_tested) {
@@ -96,7 +97,7 @@ TEST_F(ModuleFaults, a_failed_reader_reads_no_tag_and_is_in_the_heartbeats_until
   inject(R"("fault":"failed_reader","for_s":30)");
   fixture.run_for(29s);  // two thirds of a lap, with eight tags
   EXPECT_TRUE(fixture.received<wire::TagRead>(1).empty());
-  EXPECT_EQ(any_code(), wire::fault_code({Part::RFID, Finding::no_response}));
+  EXPECT_EQ(any_code(), wire::fault_code({BoardPart::RFID, Finding::no_response}));
   EXPECT_GT(fixture.ground_truth(1).speed_mps, 0.3) << "the board PRAV alone does not stop a vehicle";
   fixture.run_for(2s);
   request_self_test(1);

@@ -62,7 +62,7 @@ void SimulatedBoards::speak(SimTime now, const Measured& measured) {
     of.hello_due = false;
     // A simulated board has no parts that could fail.
     if (const auto number = std::exchange(of.self_test_due, std::nullopt))
-      send(board, wire::SelfTestResult{*number, {{wire::Part::controller}}});
+      send(board, wire::SelfTestResult{*number, {{wire::BoardPart::controller}}});
     const auto& counters = of.decoder.counters();
     if (heartbeat) send(board, wire::Heartbeat{board_ms(now), counters.frames_bad, counters.frames_missed, 0});
   }

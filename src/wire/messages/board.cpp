@@ -12,16 +12,16 @@ std::string_view to_string(Board board) {
   return "?";
 }
 
-std::string_view to_string(Part part) {
+std::string_view to_string(BoardPart part) {
   switch (part) {
-    case Part::controller: return "controller";
-    case Part::BRAC: return "BRAC";
-    case Part::DEMS: return "DEMS";
-    case Part::PMOT: return "PMOT";
-    case Part::RFID: return "RFID";
-    case Part::AFFI: return "AFFI";
-    case Part::ranging: return "ranging";
-    case Part::regulator: return "regulator";
+    case BoardPart::controller: return "controller";
+    case BoardPart::BRAC: return "BRAC";
+    case BoardPart::DEMS: return "DEMS";
+    case BoardPart::PMOT: return "PMOT";
+    case BoardPart::RFID: return "RFID";
+    case BoardPart::AFFI: return "AFFI";
+    case BoardPart::ranging: return "ranging";
+    case BoardPart::regulator: return "regulator";
   }
   return "?";
 }
@@ -41,7 +41,8 @@ std::string fault_text(std::uint8_t code) {
   const unsigned part = code >> 4U;
   const unsigned finding = code & 0xFU;
   if (part < 1 || part > part_count || finding < 1 || finding >= finding_count) return "fault " + std::to_string(code);
-  return std::string(to_string(static_cast<Part>(part))) + ": " + std::string(to_string(static_cast<Finding>(finding)));
+  return std::string(to_string(static_cast<BoardPart>(part))) + ": " +
+         std::string(to_string(static_cast<Finding>(finding)));
 }
 
 std::string port_name(std::uint32_t vehicle_number, Board board) {

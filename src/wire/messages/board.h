@@ -133,16 +133,16 @@ struct PilsParts {
 };
 
 /// What a self-test examines.
-enum class Part : std::uint8_t { controller = 1, BRAC, DEMS, PMOT, RFID, AFFI, ranging, regulator };
+enum class BoardPart : std::uint8_t { controller = 1, BRAC, DEMS, PMOT, RFID, AFFI, ranging, regulator };
 inline constexpr std::size_t part_count = 8;
-[[nodiscard]] std::string_view to_string(Part part);
+[[nodiscard]] std::string_view to_string(BoardPart part);
 /// What a self-test finds.
 enum class Finding : std::uint8_t { passed = 0, no_response, implausible, does_not_turn, low_supply };
 inline constexpr std::size_t finding_count = 5;
 [[nodiscard]] std::string_view to_string(Finding finding);
 
 struct PartFinding {
-  Part part{Part::controller};
+  BoardPart part{BoardPart::controller};
   Finding finding{Finding::passed};
   friend bool operator==(const PartFinding&, const PartFinding&) = default;
 };

@@ -76,10 +76,10 @@ const std::vector<Golden>& golden() {
       {"SelfTestRequest", 21, SelfTestRequest{3}, "06 1a 15 03 6e 16 00"},
       {"SelfTestResult", 22,
        SelfTestResult{3,
-                      {{Part::controller, Finding::passed},
-                       {Part::BRAC, Finding::passed},
-                       {Part::DEMS, Finding::implausible},
-                       {Part::PMOT, Finding::passed}}},
+                      {{BoardPart::controller, Finding::passed},
+                       {BoardPart::BRAC, Finding::passed},
+                       {BoardPart::DEMS, Finding::implausible},
+                       {BoardPart::PMOT, Finding::passed}}},
        "05 1b 16 03 01 02 02 04 03 02 04 03 0c 51 00"},
   };
   return vectors;
@@ -109,7 +109,7 @@ rc::Gen<BoardMessage> any_message() {
                        [](const auto& t) {
                          SelfTestResult result{std::get<0>(t), {}};
                          for (std::size_t i = 1; i <= std::get<1>(t); ++i)
-                           result.parts.push_back({static_cast<Part>(i), static_cast<Finding>(std::get<2>(t))});
+                           result.parts.push_back({static_cast<BoardPart>(i), static_cast<Finding>(std::get<2>(t))});
                          return result;
                        })),
       as_message(rc::gen::map(rc::gen::tuple(rc::gen::inRange(0, 4), u8, u32, u32),

@@ -273,7 +273,7 @@ Result<BoardMessage> read_self_test(std::span<const std::uint8_t> payload) {
     const auto finding = in.take<std::uint8_t>();
     if (part < 1 || part > part_count) return wrong_value("the part", part, "1 to 8");
     if (finding >= finding_count) return wrong_value("the finding", finding, "0 to 4");
-    m.parts.push_back({static_cast<Part>(part), static_cast<Finding>(finding)});
+    m.parts.push_back({static_cast<BoardPart>(part), static_cast<Finding>(finding)});
   }
   return m;
 }

@@ -7,8 +7,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const SelfTestResult good{1, {{Part::controller}}};
-const SelfTestResult bad{1, {{Part::controller}, {Part::RFID, Finding::no_response}}};
+const SelfTestResult good{1, {{BoardPart::controller}}};
+const SelfTestResult bad{1, {{BoardPart::controller}, {BoardPart::RFID, Finding::no_response}}};
 
 TEST(SelfTests, pass_when_every_board_of_the_round_has_passed) {
   SelfTests tests;
@@ -50,17 +50,17 @@ TEST(SelfTests, ignore_results_of_an_earlier_round_and_late_ones) {
   tests.on_result(Board::PILS, good);
   EXPECT_FALSE(tests.parts(Board::PILS));
   tests.on_tick(SimTime{2s});
-  tests.on_result(Board::PILS, {2, {{Part::controller}}});
+  tests.on_result(Board::PILS, {2, {{BoardPart::controller}}});
   EXPECT_FALSE(tests.parts(Board::PILS)) << "too late";
 }
 
 TEST(FaultText, names_part_and_finding_and_shows_an_unknown_code_as_it_is) {
-  EXPECT_EQ(fault_code({Part::DEMS, Finding::implausible}), 50);
+  EXPECT_EQ(fault_code({BoardPart::DEMS, Finding::implausible}), 50);
   EXPECT_EQ(fault_text(50), "DEMS: implausible readings");
   EXPECT_EQ(fault_text(0x84), "regulator: supply too low");
   for (const int code : {1, 3, 0x10, 0x15, 0x91, 255})
     EXPECT_EQ(fault_text(static_cast<std::uint8_t>(code)), "fault " + std::to_string(code));
-  EXPECT_EQ(fault_code({Part::PMOT, Finding::passed}), 0);
+  EXPECT_EQ(fault_code({BoardPart::PMOT, Finding::passed}), 0);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ BoardsReport draw_report(Random& random) {
     for (std::size_t i = 0; i < beams; ++i) report.ranges->range_mm.push_back(whole<std::uint16_t>(random));
   }
   if (coin(random)) {
-    report.boards.front().parts = {{Part::DEMS, Finding::implausible}, {Part::PMOT, Finding::passed}};
+    report.boards.front().parts = {{BoardPart::DEMS, Finding::implausible}, {BoardPart::PMOT, Finding::passed}};
     report.boards.back().health = "absent";
     report.affi = "AIV 3 \"été\"";
     PilsParts& pils = report.pils.emplace();
@@ -144,7 +144,7 @@ TEST(OwnMessages, are_written_as_their_document_shows) {
             R"("power":{"voltage":12.1,"current":0.4,"temperature":24,"charge":87},)"
             R"("ranges":{"first":-0.5,"width":0.1,"m":[0.4,null]}})");
   BoardsReport parts{9, at, {}, std::nullopt, std::nullopt};
-  parts.boards.push_back({Board::PILS, "faulty", 1, 2, 3, 4, 5, 0x32, {{Part::DEMS, Finding::implausible}}});
+  parts.boards.push_back({Board::PILS, "faulty", 1, 2, 3, 4, 5, 0x32, {{BoardPart::DEMS, Finding::implausible}}});
   parts.pils = PilsParts{7, 5012, 7, {0, 0, 96, 255, 255, 32, 0, 0}, {-310, 140}, {325, 135}};
   parts.affi = "AIV1 normal 0.3";
   EXPECT_EQ(to_json(parts),
