@@ -12,6 +12,8 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::bijection;
+using testing::snapshot;
 using testing::world_of;
 
 physical::TrueVehicle vehicle(const World& world, std::uint32_t number) {
@@ -30,19 +32,11 @@ std::string person(const std::string& id, Point2 at) {
   return json.take();
 }
 
-JsonValue snapshot(const World& world) { return *JsonValue::parse(world.server().snapshot_json()); }
-
 const JsonValue* aiv_of(const JsonValue& snapshot, std::string_view id) {
   for (const JsonValue& aiv : *snapshot.find("aivs")->array()) {
     if (aiv.text("id") == id) return &aiv;
   }
   return nullptr;
-}
-
-JsonValue bijection(const World& world) {
-  JsonWriter json;
-  world.server().write_bijection(json);
-  return *JsonValue::parse(json.text());
 }
 
 /// Runs until AIV1 drives on a straight, with 0.5 m of it left.

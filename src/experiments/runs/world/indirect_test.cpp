@@ -11,6 +11,9 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::bijection;
+using testing::snapshot;
+using testing::switch_to;
 using testing::world_of;
 using testing::zone_named;
 
@@ -26,24 +29,6 @@ std::unique_ptr<World> indirect_world(const std::string& name, std::uint32_t aiv
   auto world = World::make(std::move(options));
   EXPECT_TRUE(world.has_value()) << (world ? "" : to_string(world.error()));
   return std::move(*world);
-}
-
-void switch_to(World& world, const zone::ZoneConfiguration& configuration) {
-  JsonWriter json;
-  json.begin_object().field("command", "switch").key("zone");
-  write_json(json, configuration);
-  json.end_object();
-  world.command_server(json.take());
-}
-
-JsonValue snapshot(const World& world) {
-  return *JsonValue::parse(world.server().snapshot_json(), std::size_t{1} << 24U);
-}
-
-JsonValue bijection(const World& world) {
-  JsonWriter json;
-  world.server().write_bijection(json);
-  return *JsonValue::parse(json.text());
 }
 
 /// The displacement of a body along its own heading: negative for a body that drives backwards.

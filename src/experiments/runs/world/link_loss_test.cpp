@@ -14,6 +14,7 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::total_m;
 
 struct Fleet {
   std::uint64_t seed{1};
@@ -34,12 +35,6 @@ std::unique_ptr<World> world_of(const Fleet& fleet) {
   auto world = World::make(std::move(options));
   EXPECT_TRUE(world.has_value());
   return std::move(*world);
-}
-
-double total_m(const World& world) {
-  double sum = 0.0;
-  for (const auto& vehicle : world.plant().vehicles()) sum += vehicle.distance_m;
-  return sum;
 }
 
 /// The distance that all vehicles together drive after the broker has died.

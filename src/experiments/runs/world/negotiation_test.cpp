@@ -15,6 +15,7 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::total_m;
 
 struct Fleet {
   std::uint64_t seed{1};
@@ -40,12 +41,6 @@ std::unique_ptr<World> world_of(const Fleet& fleet) {
   auto world = World::make(std::move(options));
   EXPECT_TRUE(world.has_value());
   return std::move(*world);
-}
-
-double total_m(const World& world) {
-  double sum = 0.0;
-  for (const auto& vehicle : world.plant().vehicles()) sum += vehicle.distance_m;
-  return sum;
 }
 
 TEST(NegotiationStatistics, of_12_vehicles_for_10_minutes_has_no_collision_and_all_drive) {

@@ -9,13 +9,9 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::bijection;
+using testing::total_m;
 using testing::world_of;
-
-JsonValue bijection(const World& world) {
-  JsonWriter json;
-  world.server().write_bijection(json);
-  return *JsonValue::parse(json.text());
-}
 
 double number_at(const JsonValue& json, std::string_view a, std::string_view b) {
   return json.find(a)->number(b).value_or(-1.0);
@@ -23,12 +19,6 @@ double number_at(const JsonValue& json, std::string_view a, std::string_view b) 
 
 const physical::TrueVehicle vehicle(const World& world, std::uint32_t number) {
   return world.plant().vehicles().at(number - 1);
-}
-
-double total_distance_m(const World& world) {
-  double sum = 0.0;
-  for (const auto& v : world.plant().vehicles()) sum += v.distance_m;
-  return sum;
 }
 
 TEST(World, four_AIVs_circulate_each_with_its_twin_without_collision) {
@@ -147,14 +137,14 @@ TEST(World, without_its_server_the_fleet_stops_and_continues_when_it_is_back) {
   world->kill_server();
   world->run_for(3s);
   for (const auto& v : world->plant().vehicles()) EXPECT_NEAR(v.speed_mps, 0.0, 1e-3) << "AIV" << v.number;
-  const double before = total_distance_m(*world);
+  const double before = total_m(*world);
   world->run_for(5s);
-  EXPECT_NEAR(total_distance_m(*world), before, 1e-3);
+  EXPECT_NEAR(total_m(*world), before, 1e-3);
 
   world->start_server();
   world->run_for(60s);
   for (const auto& v : world->plant().vehicles()) EXPECT_GT(v.distance_m, 3.0);
-  EXPECT_GT(total_distance_m(*world), before + 10.0);
+  EXPECT_GT(total_m(*world), before + 10.0);
   EXPECT_THAT(world->plant().collisions(), ::testing::IsEmpty());
   EXPECT_EQ(bijection(*world).number("matched"), 4.0);
 }

@@ -10,20 +10,10 @@ namespace cosiva::experiments {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::snapshot;
+using testing::switch_to;
 using testing::world_of;
 using testing::zone_named;
-
-void switch_to(World& world, const zone::ZoneConfiguration& configuration) {
-  JsonWriter json;
-  json.begin_object().field("command", "switch").key("zone");
-  write_json(json, configuration);
-  json.end_object();
-  world.command_server(json.take());
-}
-
-JsonValue snapshot(const World& world) {
-  return *JsonValue::parse(world.server().snapshot_json(), std::size_t{1} << 24U);
-}
 
 std::size_t twins(const World& world) { return snapshot(world).find("aivs")->array()->size(); }
 
