@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 
 #include "cosiva/adapters/http/http_client.h"
 #include "cosiva/app/cli/console.h"
@@ -15,11 +14,6 @@ namespace cosiva::app {
 namespace {
 
 constexpr std::size_t snapshot_bytes_max = std::size_t{1} << 28U;
-
-std::string fixed(double value, int decimals) {
-  char text[48];
-  return {text, static_cast<std::size_t>(std::snprintf(text, sizeof text, "%.*f", decimals, value))};
-}
 
 std::string board_line(const JsonValue& board) {
   std::string text = "  " + board.text("board").value_or("?") + "  " + board.text("health").value_or("?");
@@ -34,15 +28,15 @@ std::string board_line(const JsonValue& board) {
 }
 
 std::string pils_lines(const JsonValue& pils) {
-  std::string text = "  BRAC  " + fixed(pils.number("supply").value_or(0.0), 2) + " V\n  DEMS ";
+  std::string text = "  BRAC  " + decimals(pils.number("supply").value_or(0.0), 2) + " V\n  DEMS ";
   if (const JsonValue* readings = pils.find("dems"); readings != nullptr && readings->array() != nullptr)
     for (const JsonValue& reading : *readings->array())
-      text += " " + fixed(reading.number() == nullptr ? 0.0 : *reading.number(), 0);
+      text += " " + decimals(reading.number() == nullptr ? 0.0 : *reading.number(), 0);
   text += "\n  PMOT ";
   for (const char* side : {"left", "right"}) {
     const std::string name{side};
-    text += " " + name + " " + fixed(pils.number(name + "Speed").value_or(0.0), 3) + " m/s " +
-            fixed(pils.number(name + "Current").value_or(0.0), 3) + " A";
+    text += " " + name + " " + decimals(pils.number(name + "Speed").value_or(0.0), 3) + " m/s " +
+            decimals(pils.number(name + "Current").value_or(0.0), 3) + " A";
   }
   return text;
 }
