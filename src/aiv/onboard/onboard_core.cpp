@@ -44,7 +44,9 @@ bool is_idle(const DrivingContext* context) {
 }
 
 V2xParticipant::Mode v2x_mode_of(const OnboardOptions& options) {
-  return {.direct = options.v2x_direct, .dense = options.v2x_direct || options.link_loss == LinkLoss::finish_base};
+  return {.direct = options.v2x_direct,
+          .as_values = options.as_values,
+          .dense = options.v2x_direct || options.link_loss == LinkLoss::finish_base};
 }
 
 /// Subscribes to all topics besides subscriptions().
@@ -189,24 +191,19 @@ void OnboardCore::Parts::on_board_messages(SimTime now, wire::Board board, const
 }
 
 void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
-  const wire::ServerTopics& topics = server.topics();
-  if (input.source == topics.heartbeat) {
-    // A retained heartbeat is of unknown age.
-    if (!input.flag && !input.payload.empty()) supervision.on_server_heartbeat(input.at);
-  } else if (input.source == session.topics().virtual_obstacles) {
-    on_virtual_bodies(input, effects);
-  } else if (input.source == session.topics().order) {
-    orders.on_order(input, context.get(), effects);
-  } else if (input.source == session.topics().instant_actions) {
-    actions.on_message(input.at, input.payload, context.get(), effects);
-  } else if (input.source == topics.connection) {
-    on_server_connection(input, effects);
-  } else if (input.source == session.topics().estimate_request) {
-    estimation.on_request(input.at, input.payload, session, effects);
-  } else if (input.source == session.topics().owner) {
-    on_owner(input, effects);
-  } else if (input.source.starts_with(topics.zone_prefix)) {
-    on_zone_message(input, effects);
+  switch (session.deliver(input.source, server.topics())) {
+    case ServerMessage::none: break;
+    case ServerMessage::heartbeat:
+      // A retained heartbeat is of unknown age.
+      if (!input.flag && !input.payload.empty()) supervision.on_server_heartbeat(input.at);
+      break;
+    case ServerMessage::virtual_obstacles: on_virtual_bodies(input, effects); break;
+    case ServerMessage::order: orders.on_order(input, context.get(), effects); break;
+    case ServerMessage::instant_actions: actions.on_message(input.at, input.payload, context.get(), effects); break;
+    case ServerMessage::connection: on_server_connection(input, effects); break;
+    case ServerMessage::estimate_request: estimation.on_request(input.at, input.payload, session, effects); break;
+    case ServerMessage::owner: on_owner(input, effects); break;
+    case ServerMessage::zone: on_zone_message(input, effects); break;
   }
 }
 
@@ -363,11 +360,11 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     reporter.update_display(now, context->agent(), boards, effects);
     reporter.publish_visualization(now, *context, session, effects);
     if (v2x.update_cell(*context)) subscribe(v2x, server, effects);
-    v2x.publish_intent(now, *context, session, effects);
+    v2x.publish_intent(now, *context, session.online(), effects);
     v2x.publish_claims(now, *context, effects);
   }
   if (reporter.boards_report_due(now) && !starting_up(now))
-    reporter.publish_boards_report(sources(now), boards.ranges(), session, effects);
+    reporter.publish_boards_report(sources(now), boards.ranges(), v2x.proxies(), session, effects);
   reporter.compare_flags(flags_of(sources(now)));
 }
 

@@ -6,10 +6,9 @@
 
 #include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/base/archive.h"
+#include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/typed_message.h"
-#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/estimate_exchange.h"
-#include "cosiva/wire/own/v2x_port.h"
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
@@ -19,10 +18,10 @@ namespace vda = wire::vda5050;
 namespace {
 
 template <typename Message>
-void pass_on(const std::string& topic, Message&& message, wire::Effects& effects) {
-  auto& publish = std::get<wire::Publish>(effects.emplace_back(std::in_place_type<wire::Publish>));
-  publish.topic = topic;
+wire::Publish as_value(const std::string& topic, Message&& message) {
+  wire::Publish publish{topic, {}, 0, false};
   publish.typed = wire::typed(std::forward<Message>(message));
+  return publish;
 }
 
 SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_name) {
@@ -47,7 +46,7 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
 }  // namespace
 
 Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_values)
-    : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)}, intent_topic_{id_} {}
+    : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)} {}
 
 wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
   return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
@@ -61,47 +60,47 @@ wire::Will Session::will(SimTime now) const {
 void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {
   if (!online_) return;
   const wire::Connection connection{header(now, next_.connection++), state};
-  effects.emplace_back(wire::Publish{topics_.connection, vda::encode(connection), 1, true});
+  send({topics_.connection, vda::encode(connection), 1, true}, effects);
 }
 
 void Session::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
   if (!online_) return;
   state.header = header(now, next_.state++);
-  if (as_values_) return pass_on(topics_.state, std::move(state), effects);
-  effects.emplace_back(wire::Publish{topics_.state, vda::encode(state), 0, false});
+  if (as_values_) return send(as_value(topics_.state, std::move(state)), effects);
+  send({topics_.state, vda::encode(state), 0, false}, effects);
 }
 
 void Session::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
   if (!online_) return;
   visualization.header = header(now, next_.visualization++);
-  if (as_values_) return pass_on(topics_.visualization, std::move(visualization), effects);
-  effects.emplace_back(wire::Publish{topics_.visualization, vda::encode(visualization), 0, false});
+  if (as_values_) return send(as_value(topics_.visualization, std::move(visualization)), effects);
+  send({topics_.visualization, vda::encode(visualization), 0, false}, effects);
 }
 
 void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects) {
   if (!online_) return;
   factsheet.header = header(now, next_.factsheet++);
-  effects.emplace_back(wire::Publish{topics_.factsheet, vda::encode(factsheet), 0, true});
+  send({topics_.factsheet, vda::encode(factsheet), 0, true}, effects);
 }
 
 void Session::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects) {
-  if (online_) effects.emplace_back(wire::Publish{topics_.virtual_obstacles_ack, to_json(perceived), 0, false});
+  if (online_) send({topics_.virtual_obstacles_ack, to_json(perceived), 0, false}, effects);
 }
 
 void Session::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects) {
   if (!online_) return;
   detected.header_id = next_.detected_obstacle++;
   detected.timestamp = now;
-  if (as_values_) return pass_on(topics_.detected_obstacle, std::move(detected), effects);
-  effects.emplace_back(wire::Publish{topics_.detected_obstacle, to_json(detected), 0, false});
+  if (as_values_) return send(as_value(topics_.detected_obstacle, std::move(detected)), effects);
+  send({topics_.detected_obstacle, to_json(detected), 0, false}, effects);
 }
 
 void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {
   if (!online_) return;
   report.header_id = next_.boards++;
   report.timestamp = now;
-  if (as_values_) return pass_on(topics_.boards, std::move(report), effects);
-  effects.emplace_back(wire::Publish{topics_.boards, to_json(report), 0, false});
+  if (as_values_) return send(as_value(topics_.boards, std::move(report)), effects);
+  send({topics_.boards, to_json(report), 0, false}, effects);
 }
 
 void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects) {
@@ -111,25 +110,32 @@ void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effec
   effects.emplace_back(wire::Publish{topics_.link_check, to_json(check), 0, false});
 }
 
-void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
-  if (online_) effects.emplace_back(wire::Publish{topics_.estimate_response, std::move(json), 0, false});
+void Session::publish_estimate(std::string&& json, wire::Effects& effects) {
+  if (online_) send({topics_.estimate_response, std::move(json), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects, bool direct) {
-  if (!online_ && !direct) return;
-  intent.header_id = next_.intent++;
-  intent.timestamp = now;
-  // One number for both ways: who receives the message twice drops the second one.
-  const std::string& topic = intent_topic_.at(intent.map_id, cell);
-  if (as_values_) {
-    const auto values = wire::typed(std::move(intent));
-    if (direct) effects.emplace_back(wire::SendBytes{std::string(wire::v2x_port), {}, values});
-    if (online_) effects.emplace_back(wire::Publish{topic, {}, 0, false, values});
-    return;
-  }
-  std::string json = to_json(intent);
-  if (direct) effects.emplace_back(wire::SendBytes{std::string(wire::v2x_port), json});
-  if (online_) effects.emplace_back(wire::Publish{topic, std::move(json), 0, false});
+void Session::send(wire::Publish&& message, wire::Effects& effects) {
+  COSIVA_EXPECT(online_);
+  ++sent_;
+  effects.emplace_back(std::move(message));
+}
+
+ServerMessage Session::kind_of(std::string_view topic, const wire::ServerTopics& server) const {
+  using enum ServerMessage;
+  if (topic == server.heartbeat) return heartbeat;
+  if (topic == topics_.virtual_obstacles) return virtual_obstacles;
+  if (topic == topics_.order) return order;
+  if (topic == topics_.instant_actions) return instant_actions;
+  if (topic == server.connection) return connection;
+  if (topic == topics_.estimate_request) return estimate_request;
+  if (topic == topics_.owner) return owner;
+  return topic.starts_with(server.zone_prefix) ? zone : none;
+}
+
+ServerMessage Session::deliver(std::string_view topic, const wire::ServerTopics& server) {
+  const ServerMessage kind = kind_of(topic, server);
+  if (kind != ServerMessage::none) ++delivered_;
+  return kind;
 }
 
 Result<void> Session::accepts(const wire::Header& header) const {
@@ -190,6 +196,6 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
   return sheet;
 }
 
-void Session::archive(Archive& archive) { archive(online_, next_); }
+void Session::archive(Archive& archive) { archive(online_, next_, sent_, delivered_); }
 
 }  // namespace cosiva::aiv

@@ -4,14 +4,13 @@
 #include <string>
 #include <string_view>
 
-#include "cosiva/aiv/v2x/intent_topic.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
-#include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -37,8 +36,26 @@ struct SessionTopics {
   std::string boards;
 };
 
-/// The vehicle's end of VDA 5050: topics, headers counted per topic, retained flags and quality of service (§6.2, §6.4,
-/// §6.14, §6.15). While the broker is away nothing is published, because a state that waits would be outdated.
+/// Which message of the server has arrived, by its topic.
+enum class ServerMessage : std::uint8_t {
+  none,  ///< of another sender
+  order,
+  instant_actions,
+  virtual_obstacles,
+  estimate_request,
+  owner,
+  heartbeat,
+  connection,
+  zone,
+};
+
+/// The proxy of the server that the vehicle hosts (A26): every message to the server is handed to it, and every message
+/// of the server is delivered by it. Topics, headers counted per topic, retained flags and quality of service are those
+/// of VDA 5050 (§6.2, §6.4, §6.14, §6.15). While the broker is away nothing is sent, because a state that waits would
+/// be outdated.
+///
+/// Invariant: a message is counted once, when it has been sent or delivered; nothing is counted while the broker is
+/// away.
 class Session {
  public:
   /// @param as_values  frequent messages are passed on as values (wire/in_process/typed_message.h)
@@ -62,9 +79,12 @@ class Session {
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
   void publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects);
   /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
-  void publish_estimate(std::string&& json, wire::Effects& effects) const;
-  /// To vehicles near this cell of the intent's map, and to all in reach where the vehicle has a direct link.
-  void publish(SimTime now, wire::Cell cell, wire::Intent&& intent, wire::Effects& effects, bool direct = false);
+  void publish_estimate(std::string&& json, wire::Effects& effects);
+
+  /// Delivers a message of the server.
+  /// @param server  topics of the server that the vehicle obeys
+  [[nodiscard]] ServerMessage deliver(std::string_view topic, const wire::ServerTopics& server);
+  [[nodiscard]] wire::ProxyCounts counts() const { return {"AIV_Server", sent_, delivered_}; }
 
   /// Whether the message is meant for this vehicle, in a version that it supports (2.x). Error code: validationError.
   [[nodiscard]] Result<void> accepts(const wire::Header& header) const;
@@ -79,17 +99,19 @@ class Session {
     std::uint32_t factsheet{0};
     std::uint32_t detected_obstacle{0};
     std::uint32_t boards{0};
-    std::uint32_t intent{0};
     std::uint32_t link_check{0};
   };
   [[nodiscard]] wire::Header header(SimTime now, std::uint32_t header_id) const;
+  [[nodiscard]] ServerMessage kind_of(std::string_view topic, const wire::ServerTopics& server) const;
+  void send(wire::Publish&& message, wire::Effects& effects);
 
   wire::VehicleId id_;
   bool as_values_;
   SessionTopics topics_;
   bool online_{false};
   HeaderIds next_;
-  IntentTopic intent_topic_;
+  std::uint64_t sent_{0};
+  std::uint64_t delivered_{0};
 };
 
 /// What this vehicle is and can do, from the zone it drives in.

@@ -105,12 +105,7 @@ TEST_F(SessionTest, publishes_each_message_on_its_topic_with_its_quality_and_onl
       {topics.detected_obstacle, 0, false,
        [&] { session.publish(SimTime{}, wire::DetectedObstacleReport{}, effects); }},
       {topics.boards, 0, false, [&] { session.publish(SimTime{}, wire::BoardsReport{}, effects); }},
-      {topics.estimate_response, 0, false, [&] { session.publish_estimate("{}", effects); }},
-      {"cosiva/v1/v2x/m/3_-4/CoSiVA/AIV1", 0, false, [&] {
-         wire::Intent intent;
-         intent.map_id = "m";
-         session.publish(SimTime{}, wire::Cell{3, -4}, std::move(intent), effects);
-       }}};
+      {topics.estimate_response, 0, false, [&] { session.publish_estimate("{}", effects); }}};
   for (const bool online : {false, true}) {
     session.set_online(online);
     EXPECT_EQ(session.online(), online);
@@ -146,8 +141,6 @@ TEST_F(SessionTest, passes_frequent_messages_on_as_values_in_one_process) {
   expect_values(inside.topics().detected_obstacle);
   inside.publish(SimTime{}, wire::BoardsReport{}, effects);
   expect_values(inside.topics().boards);
-  inside.publish(SimTime{}, wire::Cell{}, wire::Intent{}, effects);
-  expect_values("cosiva/v1/v2x/_/0_0/CoSiVA/AIV1");
   inside.publish(SimTime{}, wire::ConnectionState::online, effects);
   EXPECT_FALSE(last().payload.empty()) << "rare messages stay texts";
 }
@@ -172,8 +165,6 @@ TEST_F(SessionTest, counts_and_dates_each_message) {
     expect_number();
     session.publish(now, wire::BoardsReport{}, effects);
     expect_number();
-    session.publish(now, wire::Cell{}, wire::Intent{}, effects);
-    expect_number();
   }
 }
 
@@ -196,6 +187,37 @@ TEST_F(SessionTest, accepts_any_version_two_and_no_other) {
     EXPECT_EQ(refused.error().code, "validationError");
     EXPECT_EQ(refused.error().location, "serialNumber");
   }
+}
+
+TEST_F(SessionTest, delivers_each_message_of_the_server_by_its_topic_and_no_other) {
+  const SessionTopics& topics = session.topics();
+  const wire::ServerTopics server = wire::server_topics("area_b");
+  using enum ServerMessage;
+  const std::vector<std::pair<std::string, ServerMessage>> messages{{topics.order, order},
+                                                                    {topics.instant_actions, instant_actions},
+                                                                    {topics.virtual_obstacles, virtual_obstacles},
+                                                                    {topics.estimate_request, estimate_request},
+                                                                    {topics.owner, owner},
+                                                                    {server.heartbeat, heartbeat},
+                                                                    {server.connection, connection},
+                                                                    {server.zone_prefix + "toml", zone}};
+  for (const auto& [topic, kind] : messages) EXPECT_EQ(session.deliver(topic, server), kind) << topic;
+  const wire::ServerTopics other = wire::server_topics({});
+  for (const std::string& topic : {topics.state, topics.link_check, other.heartbeat, other.zone_prefix + "toml"})
+    EXPECT_EQ(session.deliver(topic, server), none) << topic;
+  EXPECT_EQ(session.counts(), (wire::ProxyCounts{"AIV_Server", 0, messages.size()}));
+}
+
+TEST_F(SessionTest, counts_what_it_sends_to_the_server_and_not_what_it_sends_to_itself) {
+  session.publish(SimTime{}, wire::State{}, effects);
+  EXPECT_EQ(session.counts().sent, 0U) << "the broker is away";
+  session.set_online(true);
+  session.publish(SimTime{}, wire::State{}, effects);
+  session.publish(SimTime{}, wire::BoardsReport{}, effects);
+  session.publish_estimate("{}", effects);
+  session.publish(SimTime{}, wire::LinkCheck{}, effects);
+  EXPECT_EQ(session.counts().sent, 3U);
+  EXPECT_EQ(effects.size(), 4U);
 }
 
 TEST(Factsheet, states_the_zone_s_vehicle_and_its_fastest_profile) {

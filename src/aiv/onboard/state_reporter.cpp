@@ -61,10 +61,12 @@ void StateReporter::publish_visualization(SimTime now, const DrivingContext& con
 }
 
 void StateReporter::publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
-                                          Session& session, wire::Effects& effects) {
+                                          const FleetProxies& fleet, Session& session, wire::Effects& effects) {
   if (!boards_timer_.take(sources.now)) return;
   wire::BoardsReport report = compose_boards_report(sources, ranges);
   report.affi = displayed_;
+  report.proxies = fleet.counts();
+  report.proxies.insert(report.proxies.begin(), session.counts());
   session.publish(sources.now, std::move(report), effects);
 }
 

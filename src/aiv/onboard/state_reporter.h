@@ -13,6 +13,7 @@
 #include "cosiva/aiv/onboard/report.h"
 #include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/aiv/v2x/fleet_proxies.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/runtime/core.h"
@@ -48,8 +49,8 @@ class StateReporter {
   void publish_state(const ReportSources& sources, bool starting_up, Session& session, wire::Effects& effects);
   void publish_visualization(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
   [[nodiscard]] bool boards_report_due(SimTime now) const { return boards_timer_.due(now); }
-  void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges, Session& session,
-                             wire::Effects& effects);
+  void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
+                             const FleetProxies& fleet, Session& session, wire::Effects& effects);
   void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
   void update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects);
   /// A board has started anew; the display of PRAV is empty then.

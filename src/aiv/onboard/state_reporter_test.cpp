@@ -101,17 +101,23 @@ TEST_F(StateReporterTest, waits_for_the_boards_only_before_the_first_state) {
   EXPECT_EQ(states_at(1000, true), 1U);
 }
 
-TEST_F(StateReporterTest, publishes_the_boards_report_twice_a_second) {
+TEST_F(StateReporterTest, publishes_the_boards_report_twice_a_second_with_the_counts_of_the_proxies) {
+  FleetProxies fleet{options.id};
+  fleet.deliver(SimTime{}, {"CoSiVA", "AIV2"});
   const auto reports_at = [&](int ms) {
     effects.clear();
     const SimTime now{milliseconds{ms}};
     reporter.publish_boards_report(
         {now, nullptr, maps, refusal, boards, supervision, actions, reporter.warnings(), boards.power()}, std::nullopt,
-        session, effects);
+        fleet, session, effects);
     return effects.size();
   };
   EXPECT_EQ(reports_at(0), 1U);
   EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, session.topics().boards);
+  const auto report = wire::boards_report_from_json(std::get<wire::Publish>(effects[0]).payload);
+  ASSERT_TRUE(report);
+  EXPECT_THAT(report->proxies,
+              testing::ElementsAre(wire::ProxyCounts{"AIV_Server", 0, 0}, wire::ProxyCounts{"CoSiVA/AIV2", 0, 1}));
   EXPECT_EQ(reports_at(499), 0U);
   EXPECT_EQ(reports_at(500), 1U);
   EXPECT_EQ(reports_at(999), 0U);

@@ -20,7 +20,7 @@ constexpr SimDuration intent_interval_min = std::chrono::milliseconds{100};
 }  // namespace
 
 V2xParticipant::V2xParticipant(wire::VehicleId id, bool enabled, Mode mode)
-    : id_{std::move(id)}, name_{wire::to_string(id_)}, enabled_{enabled}, mode_{mode} {}
+    : id_{std::move(id)}, name_{wire::to_string(id_)}, enabled_{enabled}, mode_{mode}, proxies_{id_, mode.as_values} {}
 
 bool V2xParticipant::update_cell(const DrivingContext& context) {
   const PositionEstimator& estimator = context.vehicle().position();
@@ -97,6 +97,7 @@ void V2xParticipant::use(SimTime now, const wire::V2xTopic& topic, std::shared_p
   using enum Neighbours::Verdict;
   if (verdict == first) requested_ = true;
   if (verdict == taken || verdict == first) {
+    proxies_.deliver(now, topic.vehicle);
     if (BaseWatch* const base_watch = context.base_watch()) base_watch->on_intent(now, std::move(intent));
     return;
   }
@@ -115,9 +116,9 @@ Others V2xParticipant::survey(SimTime now, DrivingContext& context) const {
   return context.neighbours().around(now, agent);
 }
 
-void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects) {
+void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, bool online, wire::Effects& effects) {
   const Agent& agent = context.agent();
-  const bool reaches_others = session.online() || mode_.direct;
+  const bool reaches_others = online || mode_.direct;
   if (!enabled_ || !reaches_others || !cell_ || !agent.vehicle().position().pose_known()) return;
   const SimDuration since = published_at_ ? now - *published_at_ : SimDuration::max();
   if (since >= SimDuration::zero() && since < intent_interval_min) return;
@@ -139,11 +140,11 @@ void V2xParticipant::publish_intent(SimTime now, DrivingContext& context, Sessio
   requested_ = false;
   published_at_ = now;
   last_intent_ = intent;
-  session.publish(now, *cell_, std::move(intent), effects, mode_.direct);
+  proxies_.send(now, *cell_, std::move(intent), {.broker = online, .direct = mode_.direct}, effects);
 }
 
 void V2xParticipant::archive(Archive& archive) {
-  archive(cell_, cell_map_, last_intent_, published_at_, requested_, errors_);
+  archive(cell_, cell_map_, last_intent_, published_at_, requested_, errors_, proxies_);
 }
 
 }  // namespace cosiva::aiv

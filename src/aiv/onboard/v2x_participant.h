@@ -8,7 +8,7 @@
 
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/error_log.h"
-#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/v2x/fleet_proxies.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/own/v2x_port.h"
@@ -23,8 +23,9 @@ namespace cosiva::aiv {
 class V2xParticipant {
  public:
   struct Mode {
-    bool direct{false};  ///< it sends by the direct link, too
-    bool dense{false};   ///< near others it publishes ten times a second, so that its silence is noticed at once
+    bool direct{false};     ///< it sends by the direct link, too
+    bool as_values{false};  ///< intents are passed on as values
+    bool dense{false};      ///< near others it publishes ten times a second, so that its silence is noticed at once
   };
   /// @param enabled  false: it neither publishes nor accepts intents
   V2xParticipant(wire::VehicleId id, bool enabled) : V2xParticipant{std::move(id), enabled, Mode{}} {}
@@ -42,7 +43,9 @@ class V2xParticipant {
   void publish_claims(SimTime now, DrivingContext& context, wire::Effects& effects);
   /// What the others' intents mean for the next decision.
   [[nodiscard]] Others survey(SimTime now, DrivingContext& context) const;
-  void publish_intent(SimTime now, DrivingContext& context, Session& session, wire::Effects& effects);
+  /// @param online  the vehicle has a link to the broker
+  void publish_intent(SimTime now, DrivingContext& context, bool online, wire::Effects& effects);
+  [[nodiscard]] const FleetProxies& proxies() const { return proxies_; }
   void on_zone_switched() { errors_.clear(); }
   void archive(Archive& archive);  ///< the state, for a snapshot
 
@@ -59,6 +62,7 @@ class V2xParticipant {
   std::string name_;  ///< of the vehicle, as in the zone's priorities
   bool enabled_;
   Mode mode_;
+  FleetProxies proxies_;
   std::optional<wire::Cell> cell_;
   std::string cell_map_;
   wire::Intent last_intent_;

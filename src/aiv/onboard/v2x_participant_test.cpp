@@ -16,16 +16,13 @@ struct V2xParticipantTest : ::testing::Test {
   wire::VehicleId id{"CoSiVA", "AIV1"};
   V2xParticipant v2x{id, true};
   DrivingContext context{lacet4(), {}};
-  Session session{id, wire::default_interface};
+  bool online{true};
   wire::Effects effects;
 
-  V2xParticipantTest() {
-    session.set_online(true);
-    context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
-  }
+  V2xParticipantTest() { context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5)); }
   std::size_t intents_at(int ms) {
     effects.clear();
-    v2x.publish_intent(SimTime{milliseconds{ms}}, context, session, effects);
+    v2x.publish_intent(SimTime{milliseconds{ms}}, context, online, effects);
     return effects.size();
   }
 };
@@ -51,7 +48,7 @@ TEST_F(V2xParticipantTest, neither_publishes_nor_subscribes_when_it_is_disabled)
   V2xParticipant disabled{id, false};
   EXPECT_FALSE(disabled.update_cell(context));
   EXPECT_TRUE(disabled.filters().empty());
-  disabled.publish_intent(SimTime{}, context, session, effects);
+  disabled.publish_intent(SimTime{}, context, online, effects);
   EXPECT_TRUE(effects.empty());
 }
 
@@ -196,7 +193,7 @@ TEST_F(V2xNeighbourTest, publishes_its_name_and_its_priority_in_the_zone) {
   zone.priorities = {{"CoSiVA/AIV1", 7}};
   DrivingContext there{zone, {}};
   there.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
-  v2x.publish_intent(SimTime{}, there, session, effects);
+  v2x.publish_intent(SimTime{}, there, online, effects);
   ASSERT_EQ(effects.size(), 1U);
   const auto published = wire::intent_from_json(std::get<wire::Publish>(effects[0]).payload);
   ASSERT_TRUE(published);
@@ -205,11 +202,11 @@ TEST_F(V2xNeighbourTest, publishes_its_name_and_its_priority_in_the_zone) {
 }
 
 TEST_F(V2xNeighbourTest, needs_broker_cell_and_pose_to_publish) {
-  session.set_online(false);
+  online = false;
   EXPECT_EQ(intents_at(0), 0U);
-  session.set_online(true);
+  online = true;
   DrivingContext lost{lacet4(), {}};
-  v2x.publish_intent(SimTime{}, lost, session, effects);
+  v2x.publish_intent(SimTime{}, lost, online, effects);
   EXPECT_TRUE(effects.empty());
   EXPECT_EQ(intents_at(0), 1U);
 }

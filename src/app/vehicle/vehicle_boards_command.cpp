@@ -41,6 +41,11 @@ std::string pils_lines(const JsonValue& pils) {
   return text;
 }
 
+std::string proxy_line(const JsonValue& proxy) {
+  return "  proxy of " + proxy.text("agent").value_or("?") + "  " + decimals(proxy.number("sent").value_or(0.0), 0) +
+         " sent, " + decimals(proxy.number("delivered").value_or(0.0), 0) + " delivered";
+}
+
 std::string text_of(const JsonValue& aiv) {
   std::string text = aiv.text("id").value_or("?");
   const JsonValue* boards = aiv.find("boards");
@@ -48,12 +53,14 @@ std::string text_of(const JsonValue& aiv) {
   for (const JsonValue& board : *boards->array()) text += "\n" + board_line(board);
   if (const JsonValue* pils = aiv.find("pils")) text += "\n" + pils_lines(*pils);
   if (const auto affi = aiv.text("affi")) text += "\n  AFFI  " + *affi;
+  if (const JsonValue* proxies = aiv.find("proxies"); proxies != nullptr && proxies->array() != nullptr)
+    for (const JsonValue& proxy : *proxies->array()) text += "\n" + proxy_line(proxy);
   return text;
 }
 
 void write(JsonWriter& json, const JsonValue& aiv) {
   json.begin_object().field("id", aiv.text("id").value_or(""));
-  for (const char* field : {"boards", "pils", "affi"})
+  for (const char* field : {"boards", "pils", "affi", "proxies"})
     if (const JsonValue* found = aiv.find(field)) write_json(json.key(field), *found);
   json.end_object();
 }

@@ -17,7 +17,7 @@ constexpr const char* snapshot =
     R"j("fault":"DEMS: implausible readings","parts":{"BRAC":"passed","DEMS":"implausible readings"}},)j"
     R"j({"board":"RALI","health":"absent","selfTest":0}],"pils":{"supply":4.987,"plugs":7,)j"
     R"j("dems":[0,0,96,255,255,32,0,255],"leftSpeed":0.31,"leftCurrent":0.14,"rightSpeed":0.325,"rightCurrent":0.135},)j"
-    R"j("affi":"AIV1 normal 0.3"},{"id":"ACME/7","number":7}]})j";
+    R"j("affi":"AIV1 normal 0.3","proxies":[{"agent":"AIV_Server","sent":1204,"delivered":531}]},{"id":"ACME/7","number":7}]})j";
 
 TEST(VehicleBoards, are_printed_with_health_self_test_readings_and_the_display_s_text) {
   EXPECT_EQ(*boards_in(snapshot, {"AIV1"}, false),
@@ -27,7 +27,8 @@ TEST(VehicleBoards, are_printed_with_health_self_test_readings_and_the_display_s
             "  BRAC  4.99 V\n"
             "  DEMS  0 0 96 255 255 32 0 255\n"
             "  PMOT  left 0.310 m/s 0.140 A right 0.325 m/s 0.135 A\n"
-            "  AFFI  AIV1 normal 0.3");
+            "  AFFI  AIV1 normal 0.3\n"
+            "  proxy of AIV_Server  1204 sent, 531 delivered");
 }
 
 TEST(VehicleBoards, are_printed_of_all_vehicles_and_of_those_that_report_none) {

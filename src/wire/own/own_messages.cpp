@@ -95,6 +95,12 @@ void read_line(Fields& in, BoardsReport::Line& line) {
   });
 }
 
+void read_proxy(Fields& in, ProxyCounts& proxy) {
+  in.text("agent", proxy.agent);
+  in.whole("sent", proxy.sent);
+  in.whole("delivered", proxy.delivered);
+}
+
 void read_pils(Fields& in, PilsParts& parts) {
   in.counted("supply", 1e-3, parts.supply_mv);
   in.whole("plugs", parts.plugs);
@@ -295,6 +301,17 @@ std::string to_json(const BoardsReport& report) {
   }
   if (const auto& pils = report.pils) write_pils(json.key("pils"), *pils);
   if (!report.affi.empty()) json.field("affi", report.affi);
+  if (!report.proxies.empty()) {
+    json.key("proxies").begin_array();
+    for (const ProxyCounts& proxy : report.proxies) {
+      json.begin_object()
+          .field("agent", proxy.agent)
+          .field("sent", proxy.sent)
+          .field("delivered", proxy.delivered)
+          .end_object();
+    }
+    json.end_array();
+  }
   return json.end_object().take();
 }
 
@@ -311,6 +328,12 @@ Result<BoardsReport> boards_report_from_json(std::string_view text) {
     read_part(in, "ranges", report.ranges, read_ranges);
     read_part(in, "pils", report.pils, read_pils);
     if (in.has("affi")) in.text("affi", report.affi);
+    if (!in.has("proxies")) return;
+    in.list("proxies", BoardsReport::proxies_max, [&](const JsonValue& item, const std::string& name) {
+      Fields fields{item, name + "."};
+      read_proxy(fields, report.proxies.emplace_back());
+      in.take_over(fields.error());
+    });
   });
 }
 

@@ -80,8 +80,18 @@ struct DetectedObstacleReport {
   friend bool operator==(const DetectedObstacleReport&, const DetectedObstacleReport&) = default;
 };
 
+/// Messages that have passed through the proxy of a remote agent on board of a vehicle (A26).
+struct ProxyCounts {
+  std::string agent;          ///< AIV_Server, or "manufacturer/serial" of another AIV
+  std::uint64_t sent{};       ///< to the agent
+  std::uint64_t delivered{};  ///< of the agent
+  friend bool operator==(const ProxyCounts&, const ProxyCounts&) = default;
+};
+
 /// Vehicle → server: one line per board (A18), and the ranges of DOBS.
 struct BoardsReport {
+  /// Proxies in a report: of the server, and of the other AIVs.
+  static constexpr std::size_t proxies_max = 33;
   std::uint32_t header_id{};
   SimTime timestamp{};
   struct Line {
@@ -101,6 +111,7 @@ struct BoardsReport {
   std::optional<Ranges> ranges;     ///< the last
   std::optional<PilsParts> pils{};  ///< what PILS' parts measure
   std::string affi{};               ///< the text on the display; empty: none yet
+  std::vector<ProxyCounts> proxies{};
   friend bool operator==(const BoardsReport&, const BoardsReport&) = default;
 };
 

@@ -81,6 +81,8 @@ BoardsReport draw_report(Random& random) {
     report.boards.front().parts = {{BoardPart::DEMS, Finding::implausible}, {BoardPart::PMOT, Finding::passed}};
     report.boards.back().health = "absent";
     report.affi = "AIV 3 \"été\"";
+    for (std::uint64_t i = 0; i < 1 + random.below(BoardsReport::proxies_max); ++i)
+      report.proxies.push_back({"AIV " + std::to_string(i), random.below(1ULL << 50U), i});
     PilsParts& pils = report.pils.emplace();
     pils.supply_mv = whole<std::uint16_t>(random);
     pils.plugs = static_cast<std::uint8_t>(random.below(8));
@@ -147,12 +149,14 @@ TEST(OwnMessages, are_written_as_their_document_shows) {
   parts.boards.push_back({Board::PILS, "faulty", 1, 2, 3, 4, 5, 0x32, {{BoardPart::DEMS, Finding::implausible}}});
   parts.pils = PilsParts{7, 5012, 7, {0, 0, 96, 255, 255, 32, 0, 0}, {-310, 140}, {325, 135}};
   parts.affi = "AIV1 normal 0.3";
+  parts.proxies = {{"AIV_Server", 1204, 531}};
   EXPECT_EQ(to_json(parts),
             R"({"headerId":9,"timestamp":"2026-01-01T00:00:00.004Z","boards":[{"board":"PILS","health":"faulty",)"
             R"("firmware":"00000001","uptime_ms":2,"frames":3,"framesBad":4,"framesMissed":5,"selfTest":50,)"
             R"("parts":[{"part":"DEMS","finding":"implausible readings"}]}],)"
             R"("pils":{"supply":5.012,"plugs":7,"dems":[0,0,96,255,255,32,0,0],"leftSpeed":-0.31,"leftCurrent":0.14,)"
-            R"("rightSpeed":0.325,"rightCurrent":0.135},"affi":"AIV1 normal 0.3"})");
+            R"("rightSpeed":0.325,"rightCurrent":0.135},"affi":"AIV1 normal 0.3",)"
+            R"("proxies":[{"agent":"AIV_Server","sent":1204,"delivered":531}]})");
   EXPECT_EQ(to_json(Radio{"CoSiVA/AIV2", 0.3}), R"({"vehicle":"CoSiVA/AIV2","loss":0.3})");
 }
 
@@ -284,6 +288,12 @@ TEST(OwnMessages, refuse_readings_of_pils_parts_with_wrong_fields) {
   EXPECT_EQ(fault_of(R"(,"parts":[{"part":"DEM","finding":"passed"}]}]})"), "own.field boards.0.parts.0.part");
   EXPECT_EQ(fault_of(R"(,"parts":[{"part":"DEMS","finding":"broken"}]}]})"), "own.field boards.0.parts.0.finding");
   EXPECT_EQ(fault_of(R"(}],"affi":7})"), "own.field affi");
+  EXPECT_EQ(fault_of(R"(}],"proxies":[{"agent":"AIV_Server","sent":-1,"delivered":0}]})"), "own.field proxies.0.sent");
+  EXPECT_EQ(fault_of(R"(}],"proxies":[{"sent":1,"delivered":0}]})"), "own.field proxies.0.agent");
+  std::string many = R"(}],"proxies":[)";
+  for (std::size_t i = 0; i <= BoardsReport::proxies_max; ++i)
+    many += std::string(i == 0 ? "" : ",") + R"({"agent":"a","sent":1,"delivered":1})";
+  EXPECT_EQ(fault_of(many + "]}"), "own.field proxies");
 }
 
 TEST(OwnMessages, refuse_a_boards_report_with_wrong_fields) {

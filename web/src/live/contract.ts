@@ -109,6 +109,10 @@ export interface Aiv extends Pose {
   pils?: { supply: number; dems: readonly number[]; leftSpeed: number; rightSpeed: number; leftCurrent: number; rightCurrent: number };
   /** the text on the display AFFI */
   affi?: string;
+  /** messages that passed through the server's proxy of the vehicle */
+  proxy?: { sent: number; delivered: number };
+  /** messages that passed through the proxies that the vehicle hosts, its server's first */
+  proxies?: readonly { agent: string; sent: number; delivered: number }[];
   power?: { voltage_v: number; current_a: number; temperature_c: number };
   /** the last scan of the obstacle sensor: beam i points to first + i·width [rad]; null: no obstacle in range */
   ranges?: { first: number; width: number; m: readonly (number | null)[] };
@@ -396,6 +400,8 @@ export interface Trace {
   time_ms: number;
   from: string;
   to: string;
+  /** the proxy through which the message passed: “proxy of” sender or receiver */
+  via?: string;
   kind: string;
   content: string;
 }

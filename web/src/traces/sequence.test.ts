@@ -1,14 +1,14 @@
 import { describe, expect, it } from 'vitest';
-import { agent_label, arrow_of, find_figure, first_agents, in_order, lifelines, proxy_of } from './sequence';
+import { agent_label, arrow_of, find_figure, first_agents, in_order, lifelines } from './sequence';
 import { path_of, span_of, svg_of, words_of } from './sequence_svg';
-import { TraceStore } from './store';
+import { proxy_of, TraceStore } from './store';
 import { csv_line, Export, ndjson_line, summary_of } from './text';
 import { AllRows } from './filter';
 
-type Message = [from: string, to: string, kind: string, content?: string];
+type Message = [from: string, to: string, kind: string, content?: string, via?: string];
 function store_of(...messages: Message[]): TraceStore {
   const store = new TraceStore();
-  messages.forEach(([from, to, kind, content = ''], i) => store.append({ n: i + 1, time_ms: i, from, to, kind, content }));
+  messages.forEach(([from, to, kind, content = '', via], i) => store.append({ n: i + 1, time_ms: i, from, to, ...(via && { via }), kind, content }));
   return store;
 }
 const zone_exchange: Message[] = [
@@ -93,7 +93,7 @@ describe('the layout', () => {
     expect(['CoSiVA/AIV1', 'CoSiVA.virtual/V1', 'RobotCompany/001', '*'].map(agent_label)).toEqual(['AIV1', 'V1', 'RobotCompany/001', 'everybody']);
   });
   it('widens the diagram to keep the distance between lifelines', () => {
-    const { lines, width_px } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'], 400, false);
+    const { lines, width_px } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator', 'RTM', 'CircuitFactory', 'Circuit'], 400, new Set());
     for (let i = 1; i < lines.length; i++) expect(lines[i]!.x - lines[i - 1]!.x).toBeGreaterThanOrEqual(92);
     expect(width_px).toBeGreaterThan(lines.at(-1)!.x + 50);
   });
@@ -104,18 +104,23 @@ describe('the layout', () => {
     expect(first_agents(known, fleet, 490)).toEqual(['CoSiVA/AIV1', 'CoSiVA/AIV2', 'AIV_Server', 'Simulator']);
     expect(first_agents(known, fleet, 1_400)).toEqual(['CoSiVA/AIV1', 'CoSiVA/AIV2', 'CoSiVA/AIV3', 'operator', 'AIV_Server', 'Simulator']);
     expect(first_agents(known, ['CoSiVA/AIV3'], 500)).toEqual(['CoSiVA/AIV3', 'operator', 'AIV_Server', 'Simulator']);
-    for (const width of [348, 490, 1_400]) expect(lifelines(first_agents(known, fleet, width), width, false).width_px).toBe(width);
+    for (const width of [348, 490, 1_400]) expect(lifelines(first_agents(known, fleet, width), width, new Set()).width_px).toBe(width);
   });
-  it('draws an arrow from sender to receiver; via the proxy the radio part is the outer one', () => {
-    const store = store_of(['CoSiVA/AIV1', 'AIV_Server', 'state'], ['AIV_Server', 'CoSiVA/AIV1', 'order'], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x']);
-    const { lines } = lifelines(['CoSiVA/AIV1', 'AIV_Server', 'Simulator'], 900, true);
+  it('draws an arrow from sender to receiver; through a proxy the radio part is the outer one', () => {
+    const aiv = 'CoSiVA/AIV1';
+    const store = store_of([aiv, 'AIV_Server', 'state', '', proxy_of(aiv)], ['AIV_Server', aiv, 'order', '', proxy_of(aiv)], ['AIV_Server', 'Simulator', 'appear'], ['RTM', 'Simulator', 'x'], [aiv, 'AIV_Server', 'state']);
+    expect(store.proxied).toEqual(new Set([aiv]));
+    const { lines } = lifelines([aiv, 'AIV_Server', 'Simulator'], 900, store.proxied);
+    expect(lines.map(({ label }) => label)).toEqual(['AIV1', 'proxy of AIV1', 'AIV_Server', 'Simulator']);
     const x = Object.fromEntries(lines.map((line) => [line.name, line.x]));
-    const proxy = x[proxy_of('CoSiVA/AIV1')]!;
-    expect(arrow_of(store, 0, lines).legs).toEqual([{ x0: x['CoSiVA/AIV1'], x1: proxy, radio: true }, { x0: proxy, x1: x['AIV_Server'], radio: false }]);
-    expect(arrow_of(store, 1, lines).legs).toEqual([{ x0: x['AIV_Server'], x1: proxy, radio: false }, { x0: proxy, x1: x['CoSiVA/AIV1'], radio: true }]);
+    const proxy = x[proxy_of(aiv)]!;
+    expect(arrow_of(store, 0, lines).legs).toEqual([{ x0: x[aiv], x1: proxy, radio: true }, { x0: proxy, x1: x['AIV_Server'], radio: false }]);
+    expect(arrow_of(store, 1, lines).legs).toEqual([{ x0: x['AIV_Server'], x1: proxy, radio: false }, { x0: proxy, x1: x[aiv], radio: true }]);
     expect(arrow_of(store, 2, lines).legs).toEqual([{ x0: x['AIV_Server'], x1: x['Simulator'], radio: false }]);
     expect(arrow_of(store, 3, lines).legs).toEqual([]);
-    expect(span_of(arrow_of(store, 0, lines)).length).toBeCloseTo(x['AIV_Server']! - x['CoSiVA/AIV1']!, 9);
+    expect(span_of(arrow_of(store, 0, lines)).length).toBeCloseTo(x['AIV_Server']! - x[aiv]!, 9);
+    // A message that did not pass through the proxy is drawn without the hop.
+    expect(arrow_of(store, 4, lines).legs).toEqual([{ x0: x[aiv], x1: x['AIV_Server'], radio: false }]);
   });
   it('draws a message to its own sender as a loop', () => {
     expect(path_of(50, 50, 20)).toContain('q');
@@ -126,7 +131,7 @@ describe('the layout', () => {
   });
   it('gives a well-formed file for any content', () => {
     const store = store_of(['CoSiVA/<b>&"', 'AIV_Server', 'state', '</svg><script>']);
-    const { lines, width_px } = lifelines(['CoSiVA/<b>&"', 'AIV_Server'], 600, false);
+    const { lines, width_px } = lifelines(['CoSiVA/<b>&"', 'AIV_Server'], 600, new Set());
     const svg = svg_of('A & B', lines, [arrow_of(store, 0, lines)], width_px, { ground: '#fff', ink: '#000', quiet: '#555', line: '#999', accent: '#00f' });
     expect(svg).not.toContain('<script');
     expect(svg).not.toContain('<b>');
@@ -144,7 +149,7 @@ describe('communications as text', () => {
   });
   it('are quoted in CSV where needed, with formulas disarmed', () => {
     const row = { n: 1, time_ms: 0, from: '=cmd()', to: 'a,b', kind: 'report "x"', content: 'two\nlines' };
-    expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b","report ""x""","two\nlines"\r\n');
+    expect(csv_line(row)).toBe('1,1970-01-01T00:00:00.000Z,\'=cmd(),"a,b",,"report ""x""","two\nlines"\r\n');
   });
   it('are one message per line in NDJSON, also with a clock far off', () => {
     const row = { n: 1, time_ms: 1e300, from: 'a', to: 'b', kind: 'c', content: 'two\nlines' };

@@ -1,7 +1,7 @@
 // The layout of the sequence diagram: agents as lifelines, messages as arrows, one row each, in the order of the traces.
 import type { Trace } from '../live/contract';
 import { manufacturer, serial } from '../live/format';
-import { note_kind, chunk_rows, type TraceStore } from './store';
+import { note_kind, chunk_rows, proxy_of, type TraceStore } from './store';
 
 export const everybody = '*';
 export const row_px = 28;
@@ -45,20 +45,14 @@ export interface Lifeline {
   label: string;
   x: number;
 }
-/** Name of the lifeline of a vehicle's proxy in the server (A26), which relays all messages from and to the vehicle. */
-export function proxy_of(aiv: string): string {
-  return `proxy of ${agent_label(aiv)}`;
-}
-
-export function lifelines(agents: readonly string[], width_px: number, proxies: boolean): { lines: Lifeline[]; width_px: number } {
+/** @param proxied  the agents whose proxies have lifelines, too */
+export function lifelines(agents: readonly string[], width_px: number, proxied: ReadonlySet<string>): { lines: Lifeline[]; width_px: number } {
   const names: { name: string; label: string }[] = [];
   const ordered = in_order(agents);
   for (const name of ordered) names.push({ name, label: agent_label(name) });
-  if (proxies) {
-    const server = names.findIndex(({ name }) => name === 'AIV_Server');
-    const made = ordered.filter(is_aiv).map((name) => ({ name: proxy_of(name), label: proxy_of(name) }));
-    if (server >= 0) names.splice(server, 0, ...made);
-  }
+  const server = names.findIndex(({ name }) => name === 'AIV_Server');
+  const proxies = ordered.filter((name) => proxied.has(name)).map((name) => ({ name: proxy_of(name), label: proxy_of(agent_label(name)) }));
+  if (server >= 0) names.splice(server, 0, ...proxies);
   const gutter = gutter_of(width_px);
   const widest = Math.max(0, ...names.map(({ label }) => label.length)) * 7 + 22;
   const room = names.length === 0 ? 0 : (width_px - gutter - margin_px) / names.length;
@@ -97,10 +91,11 @@ export function arrow_of(store: TraceStore, seq: number, lines: readonly Lifelin
   const x0 = x_of(trace.from);
   const x1 = x_of(trace.to);
   if (x0 !== undefined && x1 !== undefined) {
-    const remote = is_aiv(trace.from) || is_aiv(trace.to) || trace.to === everybody || trace.from === 'physical side';
-    const through = is_aiv(trace.from) ? x_of(proxy_of(trace.from)) : is_aiv(trace.to) ? x_of(proxy_of(trace.to)) : undefined;
-    if (through === undefined) legs.push({ x0, x1, radio: remote });
-    else legs.push({ x0, x1: through, radio: is_aiv(trace.from) }, { x0: through, x1, radio: is_aiv(trace.to) });
+    const through = trace.via === undefined ? undefined : x_of(trace.via);
+    const radio = trace.via !== undefined || trace.to === everybody || (is_aiv(trace.from) && is_aiv(trace.to));
+    const comes = trace.via === proxy_of(trace.from);
+    if (through === undefined) legs.push({ x0, x1, radio });
+    else legs.push({ x0, x1: through, radio: comes }, { x0: through, x1, radio: !comes });
   }
   return { ...trace, seq, legs, note: store.is_note(seq) };
 }

@@ -8,6 +8,9 @@ export const rows_max = 1_000_000;
 /** The kind of a note: a row that is no message but reports a gap or a restart of the server. */
 export const note_kind = 0;
 
+/** The server's name for the proxy of a remote agent (A26). */
+export const proxy_of = (agent: string): string => `proxy of ${agent}`;
+
 /** Maps names to 16-bit ids; 0 means no name. When the ids are used up, further names read "…". */
 export class Names {
   private readonly ids = new Map<string, number>([['', 0]]);
@@ -56,6 +59,8 @@ export class Chunk {
   readonly from = new Uint16Array(chunk_rows);
   readonly to = new Uint16Array(chunk_rows);
   readonly kind = new Uint16Array(chunk_rows);
+  /** which agent's proxy the message passed through: 0 none, 1 the sender's, 2 the receiver's */
+  readonly via = new Uint8Array(chunk_rows);
   used = 0;
   /** contents of a chunk that is being filled; later replaced by `text` and `ends` */
   private open: string[] | null = [];
@@ -92,7 +97,7 @@ export class Chunk {
   }
   /** Memory of the numbers and of joined contents [bytes]. */
   get bytes(): number {
-    const columns = chunk_rows * (8 + 8 + 2 + 2 + 2);
+    const columns = chunk_rows * (8 + 8 + 2 + 2 + 2 + 1);
     return columns + (this.ends ? this.ends.byteLength + this.text.length : this.open!.reduce((sum, one) => sum + one.length + 24, 0));
   }
 }
@@ -100,6 +105,8 @@ export class Chunk {
 export class TraceStore {
   readonly agents = new Names();
   readonly kinds = new Names();
+  /** the agents whose proxies are in a trace */
+  readonly proxied = new Set<string>();
   private readonly chunks: (Chunk | undefined)[] = [];
   private first_chunk = 0;
   /** one past the sequence number of the last row */
@@ -116,7 +123,7 @@ export class TraceStore {
   }
 
   append(trace: Trace): number {
-    return this.row(trace.n, trace.time_ms, this.agents.id(trace.from), this.agents.id(trace.to), this.kinds.id(trace.kind), trace.content);
+    return this.row(trace.n, trace.time_ms, this.agents.id(trace.from), this.agents.id(trace.to), this.kinds.id(trace.kind), trace.content, trace.via === undefined ? 0 : trace.via === proxy_of(trace.from) ? 1 : 2);
   }
   /** Appends a note about the adjacent rows. */
   note(text: string, time_ms: number): number {
@@ -144,6 +151,10 @@ export class TraceStore {
   kind(seq: number): string {
     return this.kinds.name(this.chunk_at(seq).kind[seq % chunk_rows]!);
   }
+  via(seq: number): string | undefined {
+    const side = this.chunk_at(seq).via[seq % chunk_rows]!;
+    return side === 0 ? undefined : proxy_of(side === 1 ? this.from(seq) : this.to(seq));
+  }
   content(seq: number): string {
     return this.chunk_at(seq).content(seq % chunk_rows);
   }
@@ -151,7 +162,8 @@ export class TraceStore {
     return this.chunk_at(seq).kind[seq % chunk_rows] === note_kind;
   }
   trace(seq: number): Trace {
-    return { n: this.n(seq), time_ms: this.time_ms(seq), from: this.from(seq), to: this.to(seq), kind: this.kind(seq), content: this.content(seq) };
+    const via = this.via(seq);
+    return { n: this.n(seq), time_ms: this.time_ms(seq), from: this.from(seq), to: this.to(seq), ...(via && { via }), kind: this.kind(seq), content: this.content(seq) };
   }
 
   /** The newest row before `before` with this kind and, if given, this sender and receiver; -1 if there is none. */
@@ -174,7 +186,7 @@ export class TraceStore {
     return sum;
   }
 
-  private row(n: number, time_ms: number, from: number, to: number, kind: number, content: string): number {
+  private row(n: number, time_ms: number, from: number, to: number, kind: number, content: string, via = 0): number {
     const seq = this.end++;
     const i = seq % chunk_rows;
     if (i === 0) this.chunks.push(new Chunk());
@@ -184,6 +196,8 @@ export class TraceStore {
     chunk.from[i] = from;
     chunk.to[i] = to;
     chunk.kind[i] = kind;
+    chunk.via[i] = via;
+    if (via > 0) this.proxied.add(this.agents.name(via === 1 ? from : to));
     chunk.push(content);
     this.agents.use(from, 1);
     this.agents.use(to, 1);

@@ -27,12 +27,12 @@ export function summary_of(content: string): string {
 }
 
 export function ndjson_line(trace: Trace): string {
-  return `${JSON.stringify({ n: trace.n, time: iso(trace.time_ms), time_ms: trace.time_ms, from: trace.from, to: trace.to, kind: trace.kind, content: trace.content })}\n`;
+  return `${JSON.stringify({ n: trace.n, time: iso(trace.time_ms), time_ms: trace.time_ms, from: trace.from, to: trace.to, via: trace.via, kind: trace.kind, content: trace.content })}\n`;
 }
 
-export const csv_head = 'n,time,from,to,kind,content\r\n';
+export const csv_head = 'n,time,from,to,via,kind,content\r\n';
 export function csv_line(trace: Trace): string {
-  return `${[trace.n, iso(trace.time_ms), trace.from, trace.to, trace.kind, trace.content].map(cell).join(',')}\r\n`;
+  return `${[trace.n, iso(trace.time_ms), trace.from, trace.to, trace.via ?? '', trace.kind, trace.content].map(cell).join(',')}\r\n`;
 }
 /** A CSV line (RFC 4180); text that a spreadsheet would evaluate as a formula is escaped. */
 function cell(value: string | number): string {

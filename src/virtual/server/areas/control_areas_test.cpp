@@ -13,8 +13,8 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
+#include "cosiva/virtual/server/exchange/traces.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 #include "cosiva/wire/vda5050/codec.h"

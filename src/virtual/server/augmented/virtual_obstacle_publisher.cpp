@@ -179,11 +179,12 @@ void VirtualObstaclePublisher::record_change(Viewer& viewer) {
 
 void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
   const SimTime now = publisher_.now();
-  const AivProxy& proxy = registry_[vehicle];
+  AivProxy& proxy = registry_[vehicle];
   COSIVA_EXPECT(near_.size() <= wire::VirtualObstacles::bodies_max);
   viewer.sent[viewer.next_id % sent_kept] = now;
   wire::VirtualObstacles ahead{viewer.next_id++, now, simulator_.zone()->name, {}};
   ahead.bodies.reserve(near_.size());
+  constexpr std::string_view kind = "virtual_obstacles";
   std::string summary = near_.empty() ? "nothing" : "";
   for (const Present* present : near_) {
     ahead.bodies.push_back(present->body);
@@ -191,15 +192,14 @@ void VirtualObstaclePublisher::send(VehicleIndex vehicle, Viewer& viewer) {
   }
   std::string topic = wire::own_topic(wire::virtual_obstacles_topic_prefix, proxy.id());
   std::string payload = wire::to_json(ahead);
-  traces_.add(now, "AIV_Server", proxy.name(), "virtual_obstacles", summary, topic, payload);
   viewer.due = now + period;
   if (!near_.empty()) {
     if (viewer.unanswered++ == 0) viewer.first_sent = now;
   }
-  if (fleet_.find(vehicle) != nullptr)
-    fleet_.message(now, vehicle, topic, payload);
-  else
-    publisher_.publish(std::move(topic), std::move(payload), 0, false);
+  if (fleet_.find(vehicle) == nullptr)
+    return publisher_.send(proxy, kind, summary, {std::move(topic), std::move(payload), 0, false});
+  proxy.pass_on(traces_, now, {kind, summary, topic, payload});
+  fleet_.message(now, vehicle, topic, payload);
 }
 
 bool VirtualObstaclePublisher::on_virtual_obstacles_ack(VehicleIndex vehicle,

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "cosiva/base/archive.h"
+
 namespace cosiva::virtual_side {
 namespace {
 
@@ -9,6 +11,8 @@ constexpr std::uint64_t unknown_senders_logged_max = 20;
 constexpr SimDuration log_again_after{std::chrono::minutes{1}};
 
 }  // namespace
+
+void RemoteAgents::archive(Archive& archive) { archive(physical_side, emulated_world, gvs, battery_test); }
 
 Simulator::Step step_recorder(ServerContext& context) {
   return [&context](std::string_view from, std::string_view to, std::string_view kind, std::string_view content) {

@@ -4,13 +4,15 @@
 #include <optional>
 #include <string>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/areas/control_areas.h"
 #include "cosiva/virtual/server/context/server_link.h"
 #include "cosiva/virtual/server/context/server_options.h"
+#include "cosiva/virtual/server/exchange/agent_proxy.h"
+#include "cosiva/virtual/server/exchange/traces.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/messages/traces.h"
 #include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/simulator/simulator.h"
 #include "cosiva/wire/runtime/core.h"
@@ -26,6 +28,16 @@ struct UnknownSenders {
   std::optional<SimTime> excess_at{};
 };
 
+/// The proxies of the remote agents that are no vehicles.
+struct RemoteAgents {
+  AgentProxy physical_side{"physical side"};
+  AgentProxy emulated_world{"emulated world"};
+  AgentProxy gvs{"GVS"};
+  AgentProxy battery_test{"battery test"};
+
+  void archive(Archive& archive);  ///< the state, for a snapshot
+};
+
 /// What each part of the server is handed: the options, the time, the link, and the parts that hold what is known of
 /// vehicles and of the zone. The members refer to each other: a context stays where it was made.
 struct ServerContext {
@@ -39,6 +51,7 @@ struct ServerContext {
   ControlAreas areas{options.area};
   Traces traces{options.traces_max};
   MessagePublisher publisher{traces, options.as_values};
+  RemoteAgents agents{};
   Registry registry{topic_prefix.substr(0, topic_prefix.size() - 1), options.vehicles_max};
   Simulator simulator{options.contract, options.rtm};
   bool state_stale{false};  ///< something that the state file holds has changed since the file was written

@@ -96,21 +96,22 @@ Result<CheckedCommand> CommandRouter::checked(const PlantCommand& command) const
   auto message = read_world_command(command, context_, augmented_);
   if (!message) return tl::unexpected(std::move(message.error()));
   const std::string payload = message->payload;
-  return CheckedCommand{MessageCommand{"emulated world", "plant", payload, std::move(*message)}};
+  return CheckedCommand{MessageCommand{&RemoteAgents::emulated_world, "plant", payload, std::move(*message)}};
 }
 
 Result<CheckedCommand> CommandRouter::checked(const RadioCommand& command) const {
   auto message = read_world_command(command, context_);
   if (!message) return tl::unexpected(std::move(message.error()));
   const std::string payload = message->payload;
-  return CheckedCommand{MessageCommand{"emulated world", "radio", payload, std::move(*message)}};
+  return CheckedCommand{MessageCommand{&RemoteAgents::emulated_world, "radio", payload, std::move(*message)}};
 }
 
 Result<CheckedCommand> CommandRouter::checked(const BatteryReadyCommand& command) const {
   auto message = instruments_.batteries.ready(command);
   if (!message) return tl::unexpected(std::move(message.error()));
   const std::string payload = message->payload;
-  return CheckedCommand{MessageCommand{"battery test", "battery", "batteryReady: " + payload, std::move(*message)}};
+  return CheckedCommand{
+      MessageCommand{&RemoteAgents::battery_test, "battery", "batteryReady: " + payload, std::move(*message)}};
 }
 
 void CommandRouter::refuse(const DecodedCommand::Fault& fault) {
@@ -141,10 +142,8 @@ void CommandRouter::execute(const CheckedEdit& command) { zones_.apply_edit(comm
 void CommandRouter::execute(const SwitchCommand& command) { zones_.switch_to(command.zone); }
 
 void CommandRouter::execute(MessageCommand& command) {
-  wire::Publish& message = command.message;
-  context_.traces.add(context_.now, "AIV_Server", command.trace_to, command.trace_kind, command.trace_content,
-                      message.topic, message.payload);
-  context_.publisher.publish(std::move(message.topic), std::move(message.payload), message.qos, message.retained);
+  AgentProxy& receiver = context_.agents.*command.receiver;
+  context_.publisher.send(receiver, command.kind, command.summary, std::move(command.message));
 }
 
 void CommandRouter::execute(const MissionCommand& command) {

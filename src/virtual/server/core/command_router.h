@@ -24,9 +24,9 @@ struct CheckedEdit {
 
 /// "plant", "radio", "batteryReady": the message that another program receives.
 struct MessageCommand {
-  std::string trace_to;
-  std::string trace_kind;
-  std::string trace_content;
+  AgentProxy RemoteAgents::*receiver;
+  std::string_view kind;  ///< this and the summary are for the trace
+  std::string summary;
   wire::Publish message;
 };
 

@@ -26,13 +26,15 @@ void MessageIntake::on_battery(const wire::Input& input) {
   const auto news = instruments_.batteries.on_message(input);
   if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
   if (!news->empty())
-    context_.traces.add(context_.now, "battery test", "*", "battery", *news, input.source, input.payload);
+    context_.agents.battery_test.deliver(context_.traces, context_.now, {"battery", *news, input.source, input.payload},
+                                         "*");
 }
 
 void MessageIntake::on_gvs(const wire::Input& input) {
   const auto news = instruments_.gvs.on_message(context_.now, input);
   if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
-  if (!news->empty()) context_.traces.add(context_.now, "GVS", "AIV_Server", "gvs", *news, input.source, input.payload);
+  if (news->empty()) return context_.agents.gvs.deliver_untraced();
+  context_.agents.gvs.deliver(context_.traces, context_.now, {"gvs", *news, input.source, input.payload});
 }
 
 void MessageIntake::on_zone(const wire::Input& input) {

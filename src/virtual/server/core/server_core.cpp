@@ -77,6 +77,7 @@ void ServerCore::Impl::archive(Archive& archive) {
           master.deadlocks, master.maps, master.intentions, master.command_ids, master.commands, master.enforcer);
   AugmentedParts& augmented = parts.augmented;
   archive(augmented.hosted, augmented.restored, augmented.pauses, augmented.virtual_obstacles);
+  archive(context.agents);
   archive(parts.instruments.batteries, parts.instruments.gvs, parts.instruments.reports);
   archive(vehicles, persisted, ticked_at, beginning.at, beginning.takes_earlier_commands);
 }

@@ -62,9 +62,9 @@ class ServerCore final : public wire::Core {
   void farewell(SimTime now, wire::Effects& effects) override;
   void fold(Digest& digest) const override;
   /// Number of the format of snapshot(): increases with every change of what the server's classes store.
-  static constexpr std::uint32_t snapshot_format = 8;
+  static constexpr std::uint32_t snapshot_format = 9;
   /// Digest of snapshot_layout() in this format: a test compares, so that no change of the members is overlooked.
-  static constexpr std::string_view snapshot_layout_digest = "19459db1fc3074a7";
+  static constexpr std::string_view snapshot_layout_digest = "23ae1b0d1aa57a45";
   /// Which types a snapshot stores, and the types of their members: of a server with physical and virtual AIVs the same
   /// in every state.
   friend std::map<std::string, std::string> snapshot_layout(const ServerCore& server);
@@ -89,7 +89,7 @@ class ServerCore final : public wire::Core {
   /// {"bijection":{…},"aivs":[…]…} at the end of a run.
   [[nodiscard]] std::string summary_json() const;
   /// The last traces from `after` (a running number) on:
-  /// {"next":N,"traces":[{"n","time","from","to","kind","content"}…]}.
+  /// {"next":N,"traces":[{"n","time","from","to","via","kind","content"}…]}.
   [[nodiscard]] std::string traces_json(std::uint64_t after, std::size_t limit) const;
   /// One trace with all of its raw content: {"n","time","from","to","kind","topic","raw"}; raw is null when it is no
   /// longer stored. Nothing where no trace of this number is stored.

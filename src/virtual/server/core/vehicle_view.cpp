@@ -41,6 +41,17 @@ std::string hex(std::uint32_t value) {
   return {digits.data(), digits.size()};
 }
 
+void write_proxies(JsonWriter& json, const std::vector<wire::ProxyCounts>& proxies) {
+  json.key("proxies").begin_array();
+  for (const wire::ProxyCounts& proxy : proxies)
+    json.begin_object()
+        .field("agent", proxy.agent)
+        .field("sent", proxy.sent)
+        .field("delivered", proxy.delivered)
+        .end_object();
+  json.end_array();
+}
+
 void write_boards(JsonWriter& json, const wire::BoardsReport& report) {
   json.key("boards").begin_array();
   for (const wire::BoardsReport::Line& line : report.boards) {
@@ -64,6 +75,7 @@ void write_boards(JsonWriter& json, const wire::BoardsReport& report) {
   json.end_array();
   if (report.pils) wire::write_pils(json.key("pils"), *report.pils);
   if (!report.affi.empty()) json.field("affi", report.affi);
+  if (!report.proxies.empty()) write_proxies(json, report.proxies);
   if (report.power) {
     json.key("power")
         .begin_object()
@@ -109,7 +121,12 @@ void VehicleView::write(JsonWriter& json, VehicleIndex vehicle) const {
   write_pose_and_mission(json, vehicle, image, speed_mps);
   json.field("age_ms", std::max(0.0, to_milliseconds_scaled(context_.now - proxy.reports.reported_at())))
       .field("divergence_m", context_.simulator.last_divergence_m(*proxy.twin()));
-  json.field("dropped", proxy.counters.dropped());
+  json.field("dropped", proxy.counters.dropped())
+      .key("proxy")
+      .begin_object()
+      .field("sent", proxy.messages_sent())
+      .field("delivered", proxy.messages_delivered())
+      .end_object();
   write_agent(json, vehicle, lost);
   write_reserved(json, vehicle);
   if (proxy.on_board.boards()) write_boards(json, *proxy.on_board.boards());

@@ -26,9 +26,10 @@ void adopt_orders(const ServerContext& context, OrderManager& orders, const std:
 void ZoneSession::receive(const zone::ZoneConfiguration& configuration, Source source) {
   const ZoneEdits::Arrival arrival = edits_.arrives(configuration);
   if (source != Source::given && arrival != ZoneEdits::Arrival::echo) {
-    context_.traces.add(context_.now, "physical side", "AIV_Server", "zone",
-                        configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes",
-                        configuration.origin, configuration.text);
+    context_.agents.physical_side.deliver(
+        context_.traces, context_.now,
+        {"zone", configuration.format + ", " + std::to_string(configuration.text.size()) + " bytes",
+         configuration.origin, configuration.text});
   }
   const zone::ZoneConfiguration* had = context_.simulator.configuration();
   const bool in_force = had != nullptr && same_content(*had, configuration);

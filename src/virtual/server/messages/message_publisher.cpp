@@ -30,8 +30,7 @@ MessagePublisher::SentOrder MessagePublisher::send(AivProxy& proxy, wire::Order&
     message.typed = sent;
   else
     message.payload = wire::vda5050::encode(std::get<wire::Order>(sent->message));
-  traces_.add(now_, "AIV_Server", proxy.name(), "order", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.sent.order, std::move(message));
+  send_numbered(proxy, proxy.sent.order, "order", summary, std::move(message));
   return sent;
 }
 
@@ -58,14 +57,20 @@ void MessagePublisher::send_again(AivProxy& proxy, wire::InstantActions& actions
 void MessagePublisher::publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary) {
   actions.header = header(proxy, proxy.sent.actions);
   wire::Publish message{proxy.identity.actions_topic(), wire::vda5050::encode(actions), 0, false};
-  traces_.add(now_, "AIV_Server", proxy.name(), "instantActions", summary, message.topic, message.payload);
-  send_numbered(proxy, proxy.sent.actions, std::move(message));
+  send_numbered(proxy, proxy.sent.actions, "instantActions", summary, std::move(message));
 }
 
-void MessagePublisher::send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message) {
+void MessagePublisher::send_numbered(AivProxy& proxy, std::uint32_t& header_id, std::string_view kind,
+                                     std::string_view summary, wire::Publish message) {
   if (proxy.membership.handed_over()) return;
   ++header_id;
-  add_effect(std::move(message));
+  send(proxy, kind, summary, std::move(message));
+}
+
+void MessagePublisher::send(AgentProxy& receiver, std::string_view kind, std::string_view summary,
+                            wire::Publish message) {
+  COSIVA_EXPECT(effects_ != nullptr);
+  receiver.send(traces_, now_, kind, summary, std::move(message), *effects_);
 }
 
 void MessagePublisher::publish(std::string topic, std::string payload, int qos, bool retained) {

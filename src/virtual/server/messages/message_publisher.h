@@ -10,14 +10,15 @@
 
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
-#include "cosiva/virtual/server/messages/traces.h"
+#include "cosiva/virtual/server/exchange/traces.h"
 #include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::virtual_side {
 
-/// Publishes all messages of the server: fills in headers, encodes, publishes and traces.
+/// Publishes all messages of the server: fills in headers, encodes, and hands each to the proxy of its receiver, which
+/// traces it. A message to all has no proxy.
 ///
 /// Invariant: each message becomes an effect of the input that is being handled; open() precedes the first one.
 class MessagePublisher {
@@ -42,6 +43,9 @@ class MessagePublisher {
   void send(AivProxy& proxy, wire::InstantActions& actions);
   void send_again(AivProxy& proxy, SentOrder& order);
   void send_again(AivProxy& proxy, wire::InstantActions& actions);
+  /// Through the proxy of its receiver; `kind` and `summary` are for the trace.
+  void send(AgentProxy& receiver, std::string_view kind, std::string_view summary, wire::Publish message);
+  /// To all subscribers of the topic.
   void publish(std::string topic, std::string payload, int qos, bool retained);
   void log(char level, std::string text);
   /// Traces a decision of the server about a vehicle; no message is sent.
@@ -57,8 +61,9 @@ class MessagePublisher {
  private:
   [[nodiscard]] wire::Header header(const AivProxy& proxy, std::uint32_t id) const;
   void publish(AivProxy& proxy, wire::InstantActions& actions, std::string_view summary);
-  /// @param header_id  of the topic; incremented only when the message is published
-  void send_numbered(const AivProxy& proxy, std::uint32_t& header_id, wire::Publish message);
+  /// @param header_id  of the topic; incremented only when the message is sent
+  void send_numbered(AivProxy& proxy, std::uint32_t& header_id, std::string_view kind, std::string_view summary,
+                     wire::Publish message);
   void add_effect(wire::Effect effect);
 
   Traces& traces_;

@@ -30,12 +30,14 @@ void AivProxy::on_returned(SimTime now) {
   next.settings.set_priority(settings.priority());
   next.sent = sent;
   next.counters = counters;
+  static_cast<AgentProxy&>(next) = *this;
   *this = std::move(next);
 }
 
 void AivProxy::archive(Archive& archive) {
   archive(membership, twin_link, settings, connection, factsheet, reports, clock, reported_state, position, on_board,
           received, sent, counters, diagnostics);
+  AgentProxy::archive(archive);
 }
 
 }  // namespace cosiva::virtual_side

@@ -9,6 +9,7 @@
 
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
+#include "cosiva/virtual/server/exchange/agent_proxy.h"
 #include "cosiva/virtual/server/registry/connection_record.h"
 #include "cosiva/virtual/server/registry/factsheet_record.h"
 #include "cosiva/virtual/server/registry/identity.h"
@@ -32,11 +33,12 @@ struct SentHeaderIds {
   std::uint32_t actions{0};
 };
 
-/// The server's representation of a remote agent (A26): the content of its last messages, and what the next messages to
-/// the agent must carry. All vehicles are treated alike, whatever their manufacturer. Each part keeps its own
-/// invariant; the functions here are the events that concern several parts.
-struct AivProxy {
-  AivProxy(Identity its_identity, SimTime now) : identity{std::move(its_identity)}, membership{now} {}
+/// The server's proxy of a vehicle (A26): its messages pass through it, and it holds the content of the last ones and
+/// what the next messages to the vehicle must carry. All vehicles are treated alike, whatever their manufacturer. Each
+/// part keeps its own invariant; the functions here are the events that concern several parts.
+struct AivProxy : AgentProxy {
+  AivProxy(Identity its_identity, SimTime now)
+      : AgentProxy{its_identity.name()}, identity{std::move(its_identity)}, membership{now} {}
 
   Identity identity;
   Membership membership;
@@ -59,8 +61,8 @@ struct AivProxy {
   void on_session();
   /// The vehicle leaves the table and the traffic. The bijection monitor lists a virtual AIV as present even then.
   void on_retired(SimTime now);
-  /// The life of the vehicle at this server begins again: only identity, priority, twin, counters and the ids of sent
-  /// headers are preserved.
+  /// The life of the vehicle at this server begins again: only identity, priority, twin, counters of messages and the
+  /// ids of sent headers are preserved.
   void on_returned(SimTime now);
 
   [[nodiscard]] const wire::VehicleId& id() const { return identity.id(); }

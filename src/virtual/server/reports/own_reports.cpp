@@ -49,8 +49,7 @@ void OwnReports::on_acknowledged(VehicleIndex vehicle, const wire::Input& input)
   AivProxy& proxy = context_.registry[vehicle];
   std::string summary = "virtual obstacles " + std::to_string(perceived->virtual_obstacles_header_id) + ": ";
   summary += perceived->braking ? "brakes for " + perceived->body : std::string("nothing to brake for");
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "virtual_obstacles_ack", summary, input.source,
-                      input.payload);
+  proxy.deliver(context_.traces, context_.now, {"virtual_obstacles_ack", summary, input.source, input.payload});
   if (!augmented_.virtual_obstacles.on_virtual_obstacles_ack(vehicle, *perceived,
                                                              checks_.server_time(proxy, perceived->decided)))
     proxy.counters.on_outdated();
@@ -92,10 +91,9 @@ void OwnReports::on_detected(VehicleIndex vehicle, const wire::Input& input) {
     return;
   }
   const auto& obstacle = message->obstacle;
-  context_.traces.add(
-      context_.now, proxy.name(), "AIV_Server", "detected_obstacle",
-      obstacle ? "obstacle at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("no obstacle in its path"),
-      input.source, input.payload);
+  const std::string summary =
+      obstacle ? "obstacle at " + position_text(obstacle->x_m, obstacle->y_m) : std::string("no obstacle in its path");
+  proxy.deliver(context_.traces, context_.now, {"detected_obstacle", summary, input.source, input.payload});
   if (!context_.simulator.zone() || message->map_id != context_.simulator.zone()->name) {
     proxy.counters.on_outdated();  // of a zone that is not in force any more, or not yet
     return;
@@ -167,10 +165,10 @@ void OwnReports::on_boards(VehicleIndex vehicle, const wire::Input& input) {
     return;
   }
   // Two traces a second from each vehicle would obscure the others; only changes are traced.
-  if (!proxy.on_board.boards() || !same_health(*proxy.on_board.boards(), *report)) {
-    context_.traces.add(context_.now, proxy.name(), "AIV_Server", "boards", health_of(*report), input.source,
-                        input.payload);
-  }
+  if (!proxy.on_board.boards() || !same_health(*proxy.on_board.boards(), *report))
+    proxy.deliver(context_.traces, context_.now, {"boards", health_of(*report), input.source, input.payload});
+  else
+    proxy.deliver_untraced();
   proxy.on_board.on_boards(std::move(*report));
   const wire::BoardsReport& boards = *proxy.on_board.boards();
   if (boards.power && !proxy.augmented()) instruments_.batteries.on_power(context_.now, proxy.name(), *boards.power);

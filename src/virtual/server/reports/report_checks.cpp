@@ -23,8 +23,8 @@ void ReportChecks::refuse(VehicleIndex vehicle, VehicleTopic topic, const wire::
   AivProxy& proxy = context_.registry[vehicle];
   proxy.counters.on_refused();
   ++context_.messages_refused;
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", to_string(topic), "refused: " + to_string(error),
-                      input.source, input.payload);
+  proxy.refuse(context_.traces, context_.now,
+               {to_string(topic), "refused: " + to_string(error), input.source, input.payload});
   log_once(proxy, unreadable << static_cast<std::uint32_t>(topic), 'w',
            std::string(to_string(topic)) + " message refused: " + to_string(error) +
                " (logged once; further ones are counted)");

@@ -100,6 +100,11 @@ void VehicleReports::on_retired(AivProxy& proxy, VehicleTopic topic, const wire:
     proxy.connection.on_connection(message->state, context_.now, message->header.timestamp);
 }
 
+void VehicleReports::deliver(AivProxy& proxy, std::string_view kind, std::string_view summary,
+                             const wire::Input& input) {
+  proxy.deliver(context_.traces, context_.now, {kind, summary, input.source, input.payload});
+}
+
 void VehicleReports::on_report(VehicleIndex vehicle, SimTime reported_at) {
   AivProxy& proxy = context_.registry[vehicle];
   COSIVA_EXPECT(!proxy.retired());
@@ -116,8 +121,7 @@ void VehicleReports::on_connection(VehicleIndex vehicle, const wire::Input& inpu
   if (!message) return checks_.refuse(vehicle, VehicleTopic::connection, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::connection, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "connection", wire::vda5050::to_string(message->state),
-                      input.source, input.payload);
+  deliver(proxy, "connection", wire::vda5050::to_string(message->state), input);
   if (!proxy.connection.on_connection(message->state, context_.now, message->header.timestamp)) return;
   proxy.on_session();
   augmented_.virtual_obstacles.new_session(vehicle);
@@ -128,9 +132,8 @@ void VehicleReports::on_factsheet(VehicleIndex vehicle, const wire::Input& input
   if (!message) return checks_.refuse(vehicle, VehicleTopic::factsheet, input, message.error());
   if (!checks_.take_header(vehicle, VehicleTopic::factsheet, message->header)) return;
   AivProxy& proxy = context_.registry[vehicle];
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "factsheet",
-                      message->series_name + ", " + std::to_string(message->actions.size()) + " actions", input.source,
-                      input.payload);
+  deliver(proxy, "factsheet", message->series_name + ", " + std::to_string(message->actions.size()) + " actions",
+          input);
   const auto per_s = [](double interval_s) { return interval_s > 0.0 ? 1.0 / interval_s : 0.0; };
   proxy.counters.rate().on_announced(per_s(message->default_state_interval_s) +
                                      per_s(message->visualization_interval_s));
@@ -144,8 +147,10 @@ void VehicleReports::on_visualization(VehicleIndex vehicle, const wire::Input& i
   if (!checks_.take_header(vehicle, VehicleTopic::visualization, message.header)) return;
   AivProxy& proxy = context_.registry[vehicle];
   if (message.position)
-    context_.traces.add_position(context_.now, proxy.name(), "AIV_Server", "visualization", message.position->pose,
-                                 message.velocity ? message.velocity->vx_mps : 0.0, input.source, input.payload);
+    proxy.deliver_position(context_.traces, context_.now, {"visualization", {}, input.source, input.payload},
+                           message.position->pose, message.velocity ? message.velocity->vx_mps : 0.0);
+  else
+    proxy.deliver_untraced();
   if (const auto stamp = fresh_position_stamp(proxy, message.header)) {
     on_report(vehicle, checks_.server_time(proxy, *stamp));
     if (message.position) on_position(vehicle, *stamp, *message.position, message.velocity);
@@ -162,8 +167,7 @@ void VehicleReports::on_state(VehicleIndex vehicle, const wire::Input& input) {
     proxy.counters.on_outdated();
     return;
   }
-  context_.traces.add(context_.now, proxy.name(), "AIV_Server", "state", summary_of(**message), input.source,
-                      input.payload);
+  deliver(proxy, "state", summary_of(**message), input);
   const ReportedState::Change change = proxy.reported_state.on_state(std::move(*message), context_.link.up());
   if (!change.before && !proxy.augmented()) context_.state_stale = true;  // it is awaited after a restart
   const wire::State& state = *proxy.state();

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cosiva/virtual/server/context/augmented_parts.h"
 #include "cosiva/virtual/server/context/instrument_parts.h"
@@ -38,6 +39,8 @@ class VehicleReports {
   void on_report(VehicleIndex vehicle, SimTime reported_at);
 
  private:
+  /// The proxy of the vehicle delivers its message to the server.
+  void deliver(AivProxy& proxy, std::string_view kind, std::string_view summary, const wire::Input& input);
   /// Registers the vehicle where the topic is its first one.
   [[nodiscard]] std::optional<Registry::Address> address_of(const std::string& topic);
   /// Drops a message that exceeds the vehicle's rate.

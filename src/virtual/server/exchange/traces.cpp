@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/messages/traces.h"
+#include "cosiva/virtual/server/exchange/traces.h"
 
 #include <algorithm>
 #include <array>
@@ -46,7 +46,7 @@ Traces::Traces(std::size_t capacity, std::size_t raw_budget)
     : capacity_{std::max<std::size_t>(capacity, 1)}, raw_budget_{raw_budget} {}
 
 Traces::Trace& Traces::slot(SimTime at, std::string_view from, std::string_view to, std::string_view kind,
-                            std::string_view topic, std::string_view raw) {
+                            std::string_view topic, std::string_view raw, Hop hop) {
   const auto index = static_cast<std::size_t>((next_ - 1) % capacity_);
   if (index == buffer_.size()) buffer_.emplace_back();
   ++next_;
@@ -55,6 +55,7 @@ Traces::Trace& Traces::slot(SimTime at, std::string_view from, std::string_view 
   trace.at = at;
   trace.from.assign(from);
   trace.to.assign(to);
+  trace.hop = hop;
   trace.kind.assign(kind);
   trace.topic.assign(topic);
   keep(trace, raw);
@@ -62,15 +63,15 @@ Traces::Trace& Traces::slot(SimTime at, std::string_view from, std::string_view 
 }
 
 void Traces::add(SimTime at, std::string_view from, std::string_view to, std::string_view kind,
-                 std::string_view content, std::string_view topic, std::string_view raw) {
-  Trace& trace = slot(at, from, to, kind, topic, raw);
+                 std::string_view content, std::string_view topic, std::string_view raw, Hop hop) {
+  Trace& trace = slot(at, from, to, kind, topic, raw, hop);
   trace.content.assign(cut(content, content_max));
   trace.is_position = false;
 }
 
 void Traces::add_position(SimTime at, std::string_view from, std::string_view to, std::string_view kind,
-                          const Pose2& pose, double speed_mps, std::string_view topic, std::string_view raw) {
-  Trace& trace = slot(at, from, to, kind, topic, raw);
+                          const Pose2& pose, double speed_mps, std::string_view topic, std::string_view raw, Hop hop) {
+  Trace& trace = slot(at, from, to, kind, topic, raw, hop);
   trace.is_position = true;
   trace.pose = pose;
   trace.speed_mps = speed_mps;
@@ -108,11 +109,10 @@ const Traces::Trace& Traces::at(std::uint64_t n) const {
 std::uint64_t Traces::oldest() const { return next_ - buffer_.size(); }
 
 void Traces::write_head(JsonWriter& json, std::uint64_t n, const Trace& trace) {
-  json.field("n", n)
-      .field("time_ms", to_milliseconds_scaled(trace.at))
-      .field("from", trace.from)
-      .field("to", trace.to)
-      .field("kind", trace.kind);
+  json.field("n", n).field("time_ms", to_milliseconds_scaled(trace.at)).field("from", trace.from).field("to", trace.to);
+  if (trace.hop != Hop::none)
+    json.field("via", "proxy of " + (trace.hop == Hop::proxy_of_sender ? trace.from : trace.to));
+  json.field("kind", trace.kind);
 }
 
 std::string Traces::content_of(const Trace& trace) {

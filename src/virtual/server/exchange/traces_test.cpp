@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/messages/traces.h"
+#include "cosiva/virtual/server/exchange/traces.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

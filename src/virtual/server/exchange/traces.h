@@ -17,10 +17,17 @@ namespace cosiva::virtual_side {
 /// be traced at low cost: slots are reused, a position is stored as numbers and formatted when read, and the messages'
 /// texts are stored in one ring buffer of bytes, which grows to its budget; the newest texts overwrite the oldest.
 ///
+/// A message from or to a remote agent passes through that agent's proxy (AgentProxy): its trace has this hop.
+///
 /// Invariant: the traces stored are those with the last numbers, at most `capacity`; the texts occupy at most
 /// `raw_budget` bytes.
 class Traces {
  public:
+  enum class Hop : std::uint8_t {
+    none,  ///< neither is a remote agent, or both are
+    proxy_of_sender,
+    proxy_of_receiver,
+  };
   static constexpr std::size_t content_max = 200;
   /// A longer text is not stored: a truncated text would not be valid JSON, and a complete one would displace hundreds.
   static constexpr std::size_t raw_max = 64U << 10U;
@@ -34,18 +41,19 @@ class Traces {
   /// @param topic    of the message; empty for a trace that is not a message
   /// @param raw      the message's text, byte for byte; empty: none
   void add(SimTime at, std::string_view from, std::string_view to, std::string_view kind, std::string_view content,
-           std::string_view topic = {}, std::string_view raw = {});
+           std::string_view topic = {}, std::string_view raw = {}, Hop hop = Hop::none);
   void add_position(SimTime at, std::string_view from, std::string_view to, std::string_view kind, const Pose2& pose,
-                    double speed_mps, std::string_view topic = {}, std::string_view raw = {});
+                    double speed_mps, std::string_view topic = {}, std::string_view raw = {}, Hop hop = Hop::none);
 
   [[nodiscard]] std::uint64_t next() const { return next_; }
   /// The lowest stored number; next() while there is no trace.
   [[nodiscard]] std::uint64_t oldest() const;
-  /// {"next":N,"oldest":N,"traces":[{"n","time_ms","from","to","kind","content"}…]}: the traces from number `after` on,
-  /// at most `limit`, oldest first. An overwritten number stands for the oldest stored one.
+  /// {"next":N,"oldest":N,"traces":[{"n","time_ms","from","to","via","kind","content"}…]}: the traces from number
+  /// `after` on, at most `limit`, oldest first; "via" only where there is a hop. An overwritten number stands for the
+  /// oldest stored one.
   [[nodiscard]] std::string to_json(std::uint64_t after, std::size_t limit) const;
-  /// {"n","time_ms","from","to","kind","topic","content","raw"}; topic is empty for a trace without a message, raw is
-  /// null where the text was too long or has been overwritten. Nothing where no trace of this number is stored.
+  /// {"n","time_ms","from","to","via","kind","topic","content","raw"}; topic is empty for a trace without a message,
+  /// raw is null where the text was too long or has been overwritten. Nothing where no trace of this number is stored.
   [[nodiscard]] std::optional<std::string> one_json(std::uint64_t n) const;
   void archive(Archive& archive);  ///< the state, for a snapshot
 
@@ -54,6 +62,7 @@ class Traces {
     SimTime at;
     std::string from;
     std::string to;
+    Hop hop{Hop::none};
     std::string kind;
     std::string topic;
     std::string content;
@@ -64,7 +73,7 @@ class Traces {
     std::size_t raw_size{};
   };
   Trace& slot(SimTime at, std::string_view from, std::string_view to, std::string_view kind, std::string_view topic,
-              std::string_view raw);
+              std::string_view raw, Hop hop);
   [[nodiscard]] const Trace& at(std::uint64_t n) const;
   void keep(Trace& trace, std::string_view raw);
   [[nodiscard]] std::optional<std::string> raw_of(const Trace& trace) const;
