@@ -110,9 +110,10 @@ void BijectionMonitor::set_physical(Entity entity, bool present, std::string_vie
 
 void BijectionMonitor::set_virtual(Entity entity, bool present) { pairs_[entity].image = present; }
 
-void BijectionMonitor::divergence(Entity entity, double m, double rad) {
-  divergence_m_.add(m);
-  divergence_rad_.add(rad);
+void BijectionMonitor::divergence(Entity entity, double m, double rad, bool at_crossing) {
+  if (at_crossing) divergence_.at_crossings_m.add(m);
+  divergence_.m.add(m);
+  divergence_.rad.add(rad);
   Pair& pair = pairs_[entity];
   if (pair.divergences_measured < settling_divergences) {
     ++pair.divergences_measured;
@@ -249,8 +250,9 @@ void BijectionMonitor::write(JsonWriter& json) const {
   else
     json.value(actual_.reference);
   json.end_object();
-  write_json(json.key("divergence_m"), divergence_m_);
-  write_json(json.key("divergence_rad"), divergence_rad_);
+  write_json(json.key("divergence_m"), divergence_.m);
+  write_json(json.key("divergence_rad"), divergence_.rad);
+  write_json(json.key("crossing_divergence_m"), divergence_.at_crossings_m);
   write_json(json.key("actual_m"), actual_.m);
   write_json(json.key("actual_rad"), actual_.rad);
   write_json(json.key("age_ms"), age_ms_);
@@ -299,8 +301,8 @@ void BijectionMonitor::write(JsonWriter& json) const {
 }
 
 void BijectionMonitor::fold(Digest& digest) const {
-  divergence_m_.fold(digest);
-  divergence_rad_.fold(digest);
+  divergence_.m.fold(digest);
+  divergence_.rad.fold(digest);
   age_ms_.fold(digest);
   command_latency_ms_.fold(digest);
   event_latency_ms_.fold(digest);
@@ -328,7 +330,7 @@ void BijectionMonitor::archive(Archive& archive) {
     if (archive.reads()) pairs_.push_back(Pair::of({}, contract_));
     archive(pairs_[i]);
   }
-  archive(divergence_m_, divergence_rad_, actual_, age_ms_, late_ms_, findings_);
+  archive(divergence_, actual_, age_ms_, late_ms_, findings_);
   archive(commands_issued_, commands_accepted_, commands_materialised_, commands_failed_);
   archive(command_latency_ms_, command_recent_, events_, event_latency_ms_, event_recent_, effects_ms_, effect_recent_);
   archive(augmented_, elapsed_until_, watched_, matched_, held_);

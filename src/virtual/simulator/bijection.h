@@ -80,7 +80,8 @@ class BijectionMonitor {
   void set_physical(Entity entity, bool present, std::string_view reason = {}, SimTime since = {});
   void set_virtual(Entity entity, bool present);
 
-  void divergence(Entity entity, double m, double rad);
+  /// @param at_crossing  where vehicles stop and start: measured on its own, too
+  void divergence(Entity entity, double m, double rad, bool at_crossing = false);
   /// Distance of the twin from the camera's detection of its vehicle at the same moment.
   /// @param reference  what provides the true pose, "camera" or "instrument"; another one begins the statistics anew
   void actual(Entity entity, double m, double rad, std::string_view reference);
@@ -121,7 +122,7 @@ class BijectionMonitor {
   [[nodiscard]] double matched_ratio() const;
   /// Ratio of that time in which every contract held as well.
   [[nodiscard]] double held_ratio() const;
-  [[nodiscard]] const Statistics& divergence_m() const { return divergence_m_; }
+  [[nodiscard]] const Statistics& divergence_m() const { return divergence_.m; }
   [[nodiscard]] const Statistics& actual_m() const { return actual_.m; }
   [[nodiscard]] const Statistics& age_ms() const { return age_ms_; }
 
@@ -149,8 +150,12 @@ class BijectionMonitor {
 
   BijectionContract contract_;
   std::vector<Pair> pairs_;
-  Statistics divergence_m_;
-  Statistics divergence_rad_;
+  struct Divergence {
+    Statistics m;
+    Statistics rad;
+    Statistics at_crossings_m;
+  };
+  Divergence divergence_;
   struct Actual {
     std::string reference{};  ///< empty: nothing has provided a true pose
     Statistics m;

@@ -136,14 +136,16 @@ void Simulator::reappear(TwinId twin, SimDuration extrapolate_max, const Step& s
   divergences_m_[twin] = 0.0;
 }
 
-void Simulator::report(TwinId twin, SimTime now, const MotionReport& report, const Step& step) {
+void Simulator::report(TwinId twin, SimTime now, const MotionReport& report, const Step& step,
+                       const Twin::Forecast& forecast) {
   const auto trace = [&](const aiv::SectionResponse& response) {
     trace_move(*circuit(), twins_[twin].id(), response, step);
   };
-  const auto divergence = twins_[twin].report(circuit(), now, report, step ? Twin::OnMove{trace} : Twin::OnMove{});
+  const auto divergence =
+      twins_[twin].report(circuit(), now, report, step ? Twin::OnMove{trace} : Twin::OnMove{}, forecast);
   if (!divergence) return;
   divergences_m_[twin] = divergence->m;
-  if (entities_[twin]) monitor_.divergence(*entities_[twin], divergence->m, divergence->rad);
+  if (entities_[twin]) monitor_.divergence(*entities_[twin], divergence->m, divergence->rad, report.at_crossing);
 }
 
 void Simulator::set_base_end(TwinId twin, std::optional<zone::TrackPosition> end) {

@@ -64,7 +64,9 @@ class Simulator {
   void reappear(TwinId twin, SimDuration extrapolate_max, const Step& step);
   /// The position that the vehicle itself reports. Updates the monitor. The requests to the sections by which the twin
   /// moves to another section are steps (figure 11).
-  void report(TwinId twin, SimTime now, const MotionReport& report, const Step& step = {});
+  /// @param forecast  what the vehicle will do next
+  void report(TwinId twin, SimTime now, const MotionReport& report, const Step& step = {},
+              const Twin::Forecast& forecast = {});
   void set_base_end(TwinId twin, std::optional<zone::TrackPosition> end);
   /// The sections that the vehicle will take.
   void set_course(TwinId twin, zone::Course course) { twins_[twin].set_course(circuit(), std::move(course)); }

@@ -26,16 +26,13 @@ std::optional<double> signed_distance(const zone::Circuit& circuit, zone::TrackP
 /// On two branches that merge or fork, bodies are nearer to each other than this for a while: the course decides which
 /// branch applies.
 constexpr double same_position_m = 0.1;
+/// The speeds of two reports that are further apart do not give the present acceleration.
+constexpr double trend_within_s = 0.5;
 
 }  // namespace
 
 Twin::Twin(std::string id, std::uint32_t number, SimDuration extrapolate_max)
     : id_{std::move(id)}, number_{number}, extrapolate_max_{extrapolate_max} {}
-
-double Twin::extrapolated_s(SimTime time) const {
-  const SimDuration since = std::clamp(time - report_.at, SimDuration::zero(), extrapolate_max_);
-  return to_seconds(since);
-}
 
 double Twin::correction_ratio(SimTime time) const {
   const SimDuration since = time - corrected_at_;
@@ -46,16 +43,16 @@ double Twin::correction_ratio(SimTime time) const {
 }
 
 Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
-  const double travel_s = extrapolated_s(time);
+  const double travel_s = to_seconds(std::clamp(time - report_.at, SimDuration::zero(), extrapolate_max_));
   const double ratio = correction_ratio(time);
   const bool lost = time - report_.at > extrapolate_max_;
-  const double shown_speed = lost ? 0.0 : speed_mps_;
+  const double shown_speed = lost ? 0.0 : anticipation_ ? anticipation_->speed_mps(travel_s) : speed_mps_;
 
   if (circuit != nullptr && on_circuit_) {
     const double correction = correction_.a * ratio;
-    double along = along_mps_ * travel_s + correction;
+    double along = (anticipation_ ? anticipation_->distance_m(travel_s) : progress_.mps * travel_s) + correction;
     // The correction may show the twin beyond the end of its base for a moment; the extrapolation never does.
-    if (along > ahead_m_max_) along = std::max(correction, ahead_m_max_);
+    if (along > progress_.base_left_m) along = std::max(correction, progress_.base_left_m);
     aiv::AivMotion motion = motion_;
     motion.shift(*circuit, along, remaining(position_.section),
                  on_course_ ? course_.traversed() : std::span<const zone::SectionId>{});
@@ -72,8 +69,8 @@ Twin::Image Twin::image_at(const zone::Circuit* circuit, SimTime time) const {
   double forward = report_.vx_mps.value_or(0.0) * travel_s;
   double sideways = report_.vy_mps * travel_s;
   const double length = norm(forward, sideways);
-  if (length > ahead_m_max_) {
-    const double shrink = ahead_m_max_ / length;
+  if (length > progress_.base_left_m) {
+    const double shrink = progress_.base_left_m / length;
     forward *= shrink;
     sideways *= shrink;
   }
@@ -172,7 +169,7 @@ void Twin::move_to(const zone::Circuit& circuit, zone::TrackPosition position, c
 }
 
 std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTime now, const MotionReport& report,
-                                             const OnMove& on_move) {
+                                             const OnMove& on_move, const Forecast& forecast) {
   std::optional<Divergence> divergence;
   Image shown{};
   if (reported_) {
@@ -182,9 +179,10 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     shown = image_at(circuit, now);
   }
 
+  const double since_s = reported_ ? to_seconds(report.at - report_.at) : 0.0;
   take_speed(report);
   const bool was_reported = std::exchange(reported_, true);
-  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  progress_.base_left_m = std::numeric_limits<double>::infinity();
   correction_ = {};
   corrected_at_ = now;
 
@@ -200,11 +198,16 @@ std::optional<Twin::Divergence> Twin::report(const zone::Circuit* circuit, SimTi
     off_m_ = located.distance_m;
     left_m_ = located.left_m;
     heading_off_rad_ = heading_off;
-    along_mps_ = *report_.vx_mps * off.cos - report_.vy_mps * off.sin;
+    const double before_mps = std::exchange(progress_.mps, *report_.vx_mps * off.cos - report_.vy_mps * off.sin);
+    const bool recent = since_s > 0.0 && since_s < trend_within_s;
+    progress_.trend_mps2 = recent ? (progress_.mps - before_mps) / since_s : 0.0;
     follow_course(*circuit);
   }
   on_circuit_ = on;
   if (on) measure_base(*circuit);
+  const auto expected = on && progress_.mps >= 0.0 && forecast ? forecast(*this) : std::nullopt;
+  anticipation_.reset();
+  if (expected) anticipation_.emplace(progress_.mps, *expected);
   if (was_reported) correct_from(circuit, shown);
   return divergence;
 }
@@ -241,13 +244,13 @@ void Twin::measure_base(const zone::Circuit& circuit) {
   // lap.
   constexpr double overshoot_m = 0.25;
   constexpr double far_m = 1e4;
-  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  progress_.base_left_m = std::numeric_limits<double>::infinity();
   if (!base_end_) return;
   if (circuit.shortest_route(*base_end_, position_, overshoot_m)) {
-    ahead_m_max_ = 0.0;
+    progress_.base_left_m = 0.0;
   } else if (const auto left = circuit.distance_ahead(position_, *base_end_, far_m, remaining(position_.section))) {
     COSIVA_EXPECT(*left >= 0.0);
-    ahead_m_max_ = *left;
+    progress_.base_left_m = *left;
   }
 }
 
@@ -277,12 +280,13 @@ void Twin::leave_circuit(const zone::Circuit* circuit, SimTime now, bool turns) 
   report_.vy_mps = 0.0;
   report_.omega_radps = 0.0;
   speed_mps_ = 0.0;
-  along_mps_ = 0.0;
+  progress_ = {};
+  anticipation_.reset();
   on_circuit_ = false;
   course_.clear();
   on_course_ = false;
   base_end_.reset();
-  ahead_m_max_ = std::numeric_limits<double>::infinity();
+  progress_.base_left_m = std::numeric_limits<double>::infinity();
   correction_ = {};
 }
 
@@ -299,7 +303,7 @@ void Twin::fold(Digest& digest) const {
 }
 
 void Twin::archive(Archive& archive) {
-  archive(id_, number_, extrapolate_max_, reported_, report_, speed_mps_, along_mps_, base_end_, ahead_m_max_,
+  archive(id_, number_, extrapolate_max_, reported_, report_, speed_mps_, progress_, base_end_, anticipation_,
           on_circuit_, motion_, course_, on_course_, position_, left_m_, off_m_, heading_off_rad_, corrected_at_,
           correction_);
 }

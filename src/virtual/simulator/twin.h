@@ -11,6 +11,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
+#include "cosiva/virtual/simulator/anticipation.h"
 #include "cosiva/zone/circuit/course.h"
 
 namespace cosiva::virtual_side {
@@ -24,10 +25,12 @@ struct MotionReport {
   double omega_radps{};
   bool on_map{true};  ///< the report refers to the present zone; otherwise the motion is not extrapolated along its
                       ///< sections
+  bool at_crossing{false};  ///< as the server knows: the vehicle is in a crossing or near one
 };
 
-/// The image of one AIV on the virtual side (A27). Between reports the twin is extrapolated along the circuit; a report
-/// corrects the twin smoothly within `correction_time`. Far from every section, or across a section, the twin is
+/// The image of one AIV on the virtual side (A27). Between reports the twin moves along the circuit as its vehicle is
+/// anticipated to move, or at the reported speed where the vehicle's intention is not known; a report corrects the twin
+/// smoothly within `correction_time`. Far from every section, or across a section, the twin is
 /// extrapolated by dead reckoning.
 ///
 /// The twin is a closed form of the time since the last report. Queries of the pose change nothing, and a query for the
@@ -50,13 +53,15 @@ class Twin {
     double m;
     double rad;
   };
+  /// What the vehicle will do next, from its position in this report; nothing: not known.
+  using Forecast = std::function<std::optional<Expectation>(const Twin&)>;
   /// Processes a report. Returns the distance of the twin's prediction for `report.at` from the report; nothing for the
   /// first report. @param circuit  nullptr while there is no zone
   /// @param now      time of arrival: the correction starts here; report.at ≤ now
   /// @param on_move  called with each response of a section while the twin moves to its next section (figure 11)
   using OnMove = std::function<void(const aiv::SectionResponse&)>;
   std::optional<Divergence> report(const zone::Circuit* circuit, SimTime now, const MotionReport& report,
-                                   const OnMove& on_move = {});
+                                   const OnMove& on_move = {}, const Forecast& forecast = {});
 
   /// The end of the vehicle's base; nothing: not known. The twin is never extrapolated beyond. Valid until the next
   /// call.
@@ -85,6 +90,13 @@ class Twin {
   [[nodiscard]] double heading_off_rad() const { return heading_off_rad_; }  ///< of the body relative to the circuit
   [[nodiscard]] const MotionReport& last_report() const { return report_; }
   [[nodiscard]] double speed_mps() const { return speed_mps_; }  ///< last reported
+  /// From the last reported position on.
+  struct Progress {
+    double mps{};         ///< the speed's component along the circuit, signed
+    double trend_mps2{};  ///< its change between the last two reports; 0 where these are far apart
+    double base_left_m{std::numeric_limits<double>::infinity()};  ///< to the end of the base; infinite: not known
+  };
+  [[nodiscard]] const Progress& progress() const { return progress_; }
 
   void fold(Digest& digest) const;
   void archive(Archive& archive);  ///< the state, for a snapshot
@@ -96,7 +108,6 @@ class Twin {
     double b{};
     double heading_rad{};
   };
-  [[nodiscard]] double extrapolated_s(SimTime time) const;
   [[nodiscard]] double correction_ratio(SimTime time) const;
   [[nodiscard]] zone::Circuit::Located locate(const zone::Circuit& circuit, const Pose2& X_MB) const;
   void take_speed(const MotionReport& report);
@@ -114,9 +125,9 @@ class Twin {
   bool reported_{false};
   MotionReport report_{};
   double speed_mps_{};
-  double along_mps_{};  ///< component of its speed along the circuit, signed
+  Progress progress_;
   std::optional<zone::TrackPosition> base_end_;
-  double ahead_m_max_{std::numeric_limits<double>::infinity()};  ///< from the last reported position to base_end_
+  std::optional<Anticipation> anticipation_;  ///< since the last report; nothing: no motion is expected
 
   bool on_circuit_{false};
   aiv::AivMotion motion_;

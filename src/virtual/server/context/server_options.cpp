@@ -93,7 +93,7 @@ std::string to_json(const ServerOptions& options) {
       .field("entries_expire_after_ms", to_milliseconds_by_seconds(options.entries_expire_after))
       .field("vehicle_messages_per_s_max", options.vehicle_messages_per_s_max);
   json.field("traces_max", options.traces_max).field("map_download_link", options.map_download_link);
-  json.field("v2x", options.v2x).field("convoys", options.convoys);
+  json.field("v2x", options.v2x).field("convoys", options.convoys).field("anticipation", options.anticipation);
   if (options.negotiated_crossings) json.field("negotiatedCrossings", true);
   aiv::write_json(json.key("virtual_rules"), options.virtual_rules);
   json.end_object();
@@ -123,9 +123,10 @@ Result<ServerOptions> server_options_from_json(std::string_view text) {
   options.traces_max = static_cast<std::size_t>(traces);
   if (auto r = read_limits(*json, options); !r) return tl::unexpected(r.error());
   options.map_download_link = json->text("map_download_link").value_or("");
-  // A journal from before there were V2X, convoys or rules lives through its time again without them.
+  // A journal from before there were V2X, convoys, rules or anticipation lives through its time again without them.
   options.v2x = json->flag("v2x").value_or(false);
   options.convoys = json->flag("convoys").value_or(false);
+  options.anticipation = json->flag("anticipation").value_or(false);
   options.negotiated_crossings = json->flag("negotiatedCrossings").value_or(false);
   options.virtual_rules = {};
   if (const JsonValue* rules = json->find("virtual_rules"); rules != nullptr && !rules->is_null()) {

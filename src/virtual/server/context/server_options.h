@@ -47,6 +47,8 @@ struct ServerOptions {
   bool v2x{true};                    ///< its virtual AIVs talk with those near them
   bool negotiated_crossings{false};  ///< its vehicles agree on crossings among themselves; virtual AIVs cannot be added
   bool convoys{true};                ///< vehicles of one way pass a crossing together when it pays (Traffic)
+  /// The twins anticipate what the agents of their vehicles will decide; false: they move on at the reported speed.
+  bool anticipation{true};
   /// By what the virtual AIVs choose their speeds; custom ones can be used (checked).
   aiv::SpeedRules virtual_rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
 };

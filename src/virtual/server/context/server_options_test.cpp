@@ -33,6 +33,7 @@ ServerOptions unusual_options() {
   options.map_download_link = "http://example.test/zone";
   options.v2x = false;
   options.convoys = false;
+  options.anticipation = false;
   options.virtual_rules = {};
   return options;
 }
@@ -56,7 +57,7 @@ std::string json_of(std::string_view within, std::string_view field, const std::
 TEST(ServerOptionsJson, has_a_field_for_each_option) {
   const auto json = JsonValue::parse(to_json(unusual_options()));
   ASSERT_TRUE(json.has_value());
-  EXPECT_EQ(json->object()->size(), 16U);
+  EXPECT_EQ(json->object()->size(), 17U);
   EXPECT_EQ(json->text("interface"), "plant7");
   EXPECT_EQ(json->text("area"), "south");
   EXPECT_EQ(json->find("zone")->text("origin"), "yard.toml");
@@ -71,6 +72,7 @@ TEST(ServerOptionsJson, has_a_field_for_each_option) {
   EXPECT_EQ(json->text("map_download_link"), "http://example.test/zone");
   EXPECT_EQ(json->flag("v2x"), false);
   EXPECT_EQ(json->flag("convoys"), false);
+  EXPECT_EQ(json->flag("anticipation"), false);
   EXPECT_EQ(json->text("virtual_rules"), "crisp");
   const JsonValue& contract = *json->find("contract");
   EXPECT_EQ(contract.object()->size(), 6U);
@@ -87,7 +89,7 @@ TEST(ServerOptionsJson, leaves_out_area_and_zone_where_there_are_none) {
   ASSERT_TRUE(json.has_value());
   EXPECT_EQ(json->find("area"), nullptr);
   EXPECT_EQ(json->find("zone"), nullptr);
-  EXPECT_EQ(json->object()->size(), 14U);
+  EXPECT_EQ(json->object()->size(), 15U);
 }
 
 TEST(ServerOptionsJson, is_read_back) {
@@ -113,6 +115,7 @@ TEST(ServerOptionsJson, is_read_back) {
   EXPECT_EQ(read.map_download_link, "http://example.test/zone");
   EXPECT_FALSE(read.v2x);
   EXPECT_FALSE(read.convoys);
+  EXPECT_FALSE(read.anticipation);
   EXPECT_EQ(read.virtual_rules.kind, aiv::SpeedRules::Kind::crisp);
 }
 
@@ -137,15 +140,18 @@ TEST(ServerOptionsJson, without_fields_or_with_null_fields_means_the_defaults_of
     EXPECT_EQ(read.map_download_link, "");
     EXPECT_FALSE(read.v2x);
     EXPECT_FALSE(read.convoys);
+    EXPECT_FALSE(read.anticipation);
     EXPECT_EQ(read.virtual_rules.kind, aiv::SpeedRules::Kind::crisp);
   }
 }
 
 TEST(ServerOptionsJson, has_flags_that_can_be_set) {
-  const ServerOptions read = options_read(R"({"drive":true,"v2x":true,"convoys":true,"virtual_rules":"fuzzy"})");
+  const ServerOptions read =
+      options_read(R"({"drive":true,"v2x":true,"convoys":true,"anticipation":true,"virtual_rules":"fuzzy"})");
   EXPECT_TRUE(read.drive);
   EXPECT_TRUE(read.v2x);
   EXPECT_TRUE(read.convoys);
+  EXPECT_TRUE(read.anticipation);
   EXPECT_EQ(read.virtual_rules.kind, aiv::SpeedRules::Kind::fuzzy);
 }
 

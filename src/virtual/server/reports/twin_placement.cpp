@@ -44,10 +44,21 @@ void TwinPlacement::put(VehicleIndex vehicle, SimTime at, const Pose2& pose,
   report.on_map = !map_ || map_id.empty() || map_id == map_->zone().name || context_.areas.has_map(map_id);
   const Twin& twin = context_.simulator.twin(*proxy.twin());
   if (twin.on_circuit()) proxy.twin_link.on_shift(context_.now, shift_m(twin.last_report(), report));
-  context_.simulator.report(*proxy.twin(), context_.now, report, step_recorder(context_));
+  report.at_crossing = at_crossing(twin);
+  context_.simulator.report(*proxy.twin(), context_.now, report, step_recorder(context_),
+                            [&](const Twin& its) { return forecast_.expectation_of(vehicle, its); });
   if (map_)
     master_.orders.set_reported_pose(
         vehicle, {twin.reported_position(), twin.reported_off_m(), twin.heading_off_rad(), report.X_MB});
+}
+
+bool TwinPlacement::at_crossing(const Twin& twin) {
+  constexpr double near_m = 0.6;
+  if (!map_ || !twin.on_circuit()) return false;
+  crossings_near_.clear();
+  const zone::TrackPosition here = twin.reported_position();
+  map_->crossings_on(here, near_m, crossings_near_, twin.remaining(here.section));
+  return !crossings_near_.empty();
 }
 
 void TwinPlacement::apply_base_end(VehicleIndex vehicle) {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "cosiva/base/pose.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/context/master_control.h"
 #include "cosiva/virtual/server/context/server_context.h"
+#include "cosiva/virtual/server/reports/forecast.h"
 
 namespace cosiva::virtual_side {
 
@@ -14,10 +16,14 @@ namespace cosiva::virtual_side {
 /// Invariant: a vehicle gets its twin with its first pose, and retains that twin.
 class TwinPlacement {
  public:
-  TwinPlacement(ServerContext& context, MasterControl& master) : context_{context}, master_{master} {}
+  TwinPlacement(ServerContext& context, MasterControl& master)
+      : context_{context}, master_{master}, forecast_{context, master} {}
 
   /// The waypoint graph of the zone in force; null while there is none.
-  void set_map(const WaypointGraph* map) { map_ = map; }
+  void set_map(const WaypointGraph* map) {
+    map_ = map;
+    forecast_.set_map(map);
+  }
   /// @param at  when the vehicle was there, on the server's clock
   void put(VehicleIndex vehicle, SimTime at, const Pose2& pose, const std::optional<wire::Velocity>& velocity);
   /// The twin may drive to the end of the base that the vehicle's last state lists.
@@ -28,9 +34,13 @@ class TwinPlacement {
   void record_event(const AivProxy& proxy, PhysicalEvent kind, SimTime reported_at);
 
  private:
+  [[nodiscard]] bool at_crossing(const Twin& twin);
+
   ServerContext& context_;
   MasterControl& master_;
   const WaypointGraph* map_{};
+  Forecast forecast_;
+  std::vector<CrossingIndex> crossings_near_;
 };
 
 }  // namespace cosiva::virtual_side
