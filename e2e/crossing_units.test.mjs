@@ -104,6 +104,29 @@ test('crossing units are programs that are drawn, watched and started again', { 
   }
 });
 
+test('a scenario adds a unit, and switches one off and on; a unit that is ended signs off', { timeout: 90_000 }, async (t) => {
+  const folder = work_folder(t);
+  const file = path.join(folder, 'units.toml');
+  const step = (t_s, crossing, on) => `[[at]]\nt_s = ${t_s}\nunit = { crossing = "${crossing}", on = ${on} }\n`;
+  writeFileSync(file, `name = "units"\naivs = 2\ncrossing_units = ["X1"]\n${step(2, 'X1', false)}${step(3, 'X3', true)}${step(8, 'X1', true)}`);
+  const platform = await Platform.up(t, { aivs: 2, args: ['--headless', '--scenario', file] });
+  const states = async () => Object.fromEntries((await platform.snapshot()).units.map(({ crossing, state }) => [crossing, state]));
+  const become = (wanted, within_ms) => eventually(JSON.stringify(wanted), async () => { assert.deepEqual(await states(), wanted); return true; }, { within_ms, every_ms: 100 });
+  await become({ X1: 'unresponsive', X3: 'online' }, 30_000);
+  await become({ X1: 'online', X3: 'online' }, 15_000);
+  const seen = [];
+  const journal = path.join(folder, 'unit.journal');
+  const alone = await cosiva(['unit', '--zone', 'lacet4', '--crossing', 'X4', '--broker', `127.0.0.1:${await platform.broker_port()}`, '--duration', '3', '--record', journal, '--json'], {
+    on_start: () => seen.push(become({ X1: 'online', X3: 'online', X4: 'online' }, 2_900)),
+  });
+  assert.equal(alone.code, 0, alone.stderr);
+  assert.deepEqual(await Promise.all(seen), [true]);
+  await become({ X1: 'online', X3: 'online' }, 1_000);
+  const replay = await cosiva(['replay', journal]);
+  assert.equal(replay.code, 0, replay.stderr);
+  assert.match(`${replay.stdout}${replay.stderr}`, /the digest equals that of the recorded run/);
+});
+
 test('a unit of an unknown crossing is refused before anything starts', async () => {
   const up = await cosiva(['up', '--headless', '--crossing-units', 'X9']);
   assert.equal(up.code, 2);
