@@ -9,7 +9,7 @@ import { test } from 'node:test';
 import { open_browser } from './lib/browser.mjs';
 import { Truth } from './lib/bus.mjs';
 import { finally_do } from './lib/cleanup.mjs';
-import { open_operator } from './lib/page.mjs';
+import { open_operator, pixel_of } from './lib/page.mjs';
 import { artefacts_dir, cosiva, descendants, eventually, Platform, sleep, work_folder } from './lib/platform.mjs';
 
 const group = '239.192.7.51';
@@ -66,6 +66,18 @@ test('crossing units are programs that are drawn, watched and started again', { 
     const held = await eventually('a vehicle in a crossing', async () => (await platform.snapshot()).units.find(({ holders }) => holders.length > 0), { within_ms: 30_000 });
     assert.match(held.holders[0].id, /^CoSiVA\/AIV\d$/);
     await eventually('it is on the page', () => page.evaluate(() => [...document.querySelectorAll('[data-testid^=unit-]')].some((one) => /occupied by AIV\d/.test(one.getAttribute('aria-label')))), { within_ms: 20_000, every_ms: 100 });
+    // A vehicle in the crossing has a tip of its own.
+    await eventually('the tip of a crossing tells what its unit reports', async () => {
+      for (const { x, y } of (await platform.snapshot()).units) {
+        const at = await pixel_of(page, platform, x, y);
+        await page.mouse.move(at.x, at.y);
+        await sleep(100);
+        const tip = page.getByTestId('map-tip');
+        if ((await tip.count()) > 0 && /^Crossing X\d\s*Unit: /.test(await tip.innerText())) return true;
+      }
+      return false;
+    });
+    await page.mouse.move(5, 5);
     mkdirSync(artefacts_dir, { recursive: true });
     await page.screenshot({ path: path.join(artefacts_dir, 'crossing_units.png') });
   });
