@@ -65,7 +65,7 @@ test('crossing units are programs that are drawn, watched and started again', { 
     for (const crossing of crossings) await page.waitForSelector(`[data-testid=unit-${crossing}]`, { timeout: 5_000 });
     const held = await eventually('a vehicle in a crossing', async () => (await platform.snapshot()).units.find(({ holders }) => holders.length > 0), { within_ms: 30_000 });
     assert.match(held.holders[0].id, /^CoSiVA\/AIV\d$/);
-    await eventually('it is on the page', () => page.evaluate(() => [...document.querySelectorAll('[data-testid^=unit-]')].some((one) => /occupied by AIV\d/.test(one.getAttribute('aria-label')))), { within_ms: 20_000, every_ms: 100 });
+    await eventually('it is on the page', () => page.evaluate(() => [...document.querySelectorAll('[data-testid^=unit-]')].some((one) => /held by AIV\d/.test(one.getAttribute('aria-label')))), { within_ms: 20_000, every_ms: 100 });
     // A vehicle in the crossing has a tip of its own.
     await eventually('the tip of a crossing tells what its unit reports', async () => {
       for (const { x, y } of (await platform.snapshot()).units) {

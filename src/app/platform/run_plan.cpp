@@ -118,6 +118,8 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
   if (!equipment) return tl::unexpected(equipment.error());
   auto units = units_of(merged, scenario, rtm->zone());
   if (!units) return tl::unexpected(units.error());
+  if (!units->empty() && !merged.v2x)
+    return fail("up.v2x", "is off, and crossing units receive V2X messages only", "--v2x");
   if (scenario) {
     // The scenario is validated as it will run. A run that the command line shortens is no error of the file.
     experiments::Scenario evaluated = *scenario;

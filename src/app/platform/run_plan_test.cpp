@@ -52,6 +52,9 @@ TEST(RunPlan, has_a_unit_at_each_crossing_or_at_the_named_ones) {
   EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X3", "X1"));
   arguments.crossing_units = {"all"};
   EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X1", "X2", "X3", "X4"));
+  arguments.v2x = false;
+  EXPECT_EQ(plan_run(arguments).error().code, "up.v2x") << "they would receive nothing";
+  arguments.v2x = true;
   arguments.crossing_units = {"X9"};
   const auto unknown = plan_run(arguments);
   ASSERT_FALSE(unknown);

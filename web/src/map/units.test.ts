@@ -9,12 +9,12 @@ describe('a crossing unit', () => {
   it('is described by who is in its crossing and who waits', () => {
     expect(unit_words(unit())).toBe('Unit: free');
     const occupied = unit({ holders: [vehicle(1)], waiting: [vehicle(2), vehicle(3)] });
-    expect(unit_words(occupied)).toBe('Unit: occupied by AIV1; waiting: AIV2, AIV3');
+    expect(unit_words(occupied)).toBe('Unit: held by AIV1; waiting: AIV2, AIV3');
     expect([unit_state(unit()), unit_state(occupied)]).toEqual(['free', 'occupied']);
   });
 
   it('names the age of what it knows when that is old', () => {
-    expect(unit_words(unit({ holders: [vehicle(1, 12_000)] }))).toMatch(/^Unit: occupied by AIV1, last message 12[\d.]*\Ds ago$/);
+    expect(unit_words(unit({ holders: [vehicle(1, 12_000)] }))).toMatch(/^Unit: held by AIV1, last message 12[\d.]*\Ds ago$/);
   });
 
   it('is unresponsive, whatever it reported last', () => {

@@ -16,7 +16,7 @@ export function unit_state(unit: CrossingUnit): UnitState {
 export function unit_words(unit: CrossingUnit): string {
   if (unit.state === 'unresponsive') return `Unit unresponsive for ${format.duration(unit.age_ms)}`;
   const oldest = Math.max(0, ...unit.holders.map(({ age_ms }) => age_ms));
-  const holders = unit.holders.length > 0 ? `occupied by ${names(unit.holders)}${oldest > 1_000 ? `, last message ${format.duration(oldest)} ago` : ''}` : 'free';
+  const holders = unit.holders.length > 0 ? `held by ${names(unit.holders)}${oldest > 1_000 ? `, last message ${format.duration(oldest)} ago` : ''}` : 'free';
   return `Unit: ${holders}${unit.waiting.length > 0 ? `; waiting: ${names(unit.waiting)}` : ''}`;
 }
 
