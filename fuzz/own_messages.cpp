@@ -3,6 +3,7 @@
 #include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/crossing_claims.h"
+#include "cosiva/wire/own/crossing_status.h"
 #include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/own/v2x.h"
 #include "target.h"
@@ -36,6 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::radio_from_json, text);
   read(wire::intent_from_json, text);
   read(wire::crossing_claims_from_json, text);
+  read(wire::crossing_status_from_json, text);
+  read(wire::unit_switch_from_json, text);
   read(wire::owner_from_json, text);
   read(wire::battery_change_from_json, text);
   read(wire::battery_ready_from_json, text);

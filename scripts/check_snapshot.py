@@ -102,7 +102,7 @@ EXCEPTIONS = {
 OWNER = "src/virtual/server/core/server_core.cpp"
 PARTS = {
     "augmented_parts.h": {"objects"},
-    "instrument_parts.h": {"presence"},
+    "instrument_parts.h": {"presence", "units"},
     "master_control.h": {"mission_requests"},
     "server_context.h": {"options", "topic_prefix", "topics"},
 }

@@ -30,13 +30,13 @@ TEST(CommandLine, without_arguments_shows_its_subcommands_with_two_examples) {
 
 TEST(CommandLine, help_of_each_command_goes_to_standard_output) {
   for (const char* command :
-       {"up", "server", "plant", "aiv", "replay", "zone", "scenario", "agent", "qualify", "compare"}) {
+       {"up", "server", "plant", "aiv", "unit", "replay", "zone", "scenario", "agent", "qualify", "compare"}) {
     const CommandOutput output = cosiva({command, "--help"});
     EXPECT_EQ(output.status, 0) << command;
     EXPECT_THAT(output.data, HasSubstr("--help")) << command;
     EXPECT_EQ(output.standard_error, "") << command;
   }
-  for (const char* command : {"up", "server", "plant", "aiv", "scenario", "agent"})
+  for (const char* command : {"up", "server", "plant", "aiv", "unit", "scenario", "agent"})
     EXPECT_THAT(cosiva({command, "--help"}).data, HasSubstr(std::string("cosiva ") + command + " ")) << "an example";
   EXPECT_THAT(cosiva({"--version"}).data, HasSubstr("cosiva 0."));
 }
@@ -67,6 +67,9 @@ TEST(CommandLine, values_out_of_range_or_missing_end_with_2) {
                                                   {"aiv", "--number", "1"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--start", "east"},
                                                   {"aiv", "--number", "1", "--sockets", "x", "--serial", "a/b"},
+                                                  {"unit", "--zone", "lacet4"},
+                                                  {"unit", "--zone", "lacet4", "--crossing", "X9"},
+                                                  {"up", "--crossing-units", "X9"},
                                                   {"server", "--area", "no rth"},
                                                   {"server", "--area", "a/b"},
                                                   {"up", "--page"},

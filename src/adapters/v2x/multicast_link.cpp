@@ -8,6 +8,8 @@
 #include <boost/asio/ip/multicast.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "cosiva/base/expect.h"
@@ -36,7 +38,10 @@ std::uint64_t session_now() {
 class Channel : public std::enable_shared_from_this<Channel> {
  public:
   Channel(EventLoop& loop, const MulticastOptions& options, PortHandlers handlers)
-      : socket_{loop.context()}, link_{options.self, options.key, session_now()}, handlers_{std::move(handlers)} {}
+      : socket_{loop.context()},
+        link_{options.self, options.key, session_now()},
+        handlers_{std::move(handlers)},
+        repeats_{options.repeats} {}
 
   Result<void> open(const MulticastOptions& options) {
     const MulticastAddress& address = options.address;
@@ -78,9 +83,16 @@ class Channel : public std::enable_shared_from_this<Channel> {
       ++unsent_;
       return;
     }
-    ErrorCode error;
-    socket_.send_to(asio::buffer(*datagram), group_, 0, error);
-    if (error) ++unsent_;
+    send_datagram(*datagram);
+  }
+
+  /// Sends again what was received from the source; counted as unsent where that is not the payload.
+  void repeat(const std::string& source, std::string_view payload) {
+    const auto newest = newest_.find(source);
+    if (newest == newest_.end() || newest->second.payload != payload)
+      ++unsent_;
+    else
+      send_datagram(newest->second.datagram);
   }
 
   void close() {
@@ -93,6 +105,17 @@ class Channel : public std::enable_shared_from_this<Channel> {
   [[nodiscard]] std::uint64_t unsent() const { return unsent_; }
 
  private:
+  struct Accepted {
+    std::string payload;
+    std::string datagram;
+  };
+
+  void send_datagram(std::string_view datagram) {
+    ErrorCode error;
+    socket_.send_to(asio::buffer(datagram), group_, 0, error);
+    if (error) ++unsent_;
+  }
+
   void join(const MulticastAddress& address, unsigned index, ErrorCode& error) {
     if (address.ipv6) {
       const auto group = group_.address().to_v6();
@@ -124,8 +147,9 @@ class Channel : public std::enable_shared_from_this<Channel> {
     // A later version may send kinds of messages that this one does not know.
     if (!received || received->kind >= wire::v2x_ports.size()) return;
     COSIVA_EXPECT(socket_.is_open());
-    if (handlers_.on_bytes)
-      handlers_.on_bytes(wire::v2x_port_of(received->sender, wire::v2x_ports[received->kind]), received->payload);
+    const std::string source = wire::v2x_port_of(received->sender, wire::v2x_ports[received->kind]);
+    if (repeats_) newest_[source] = {received->payload, std::string(datagram)};
+    if (handlers_.on_bytes) handlers_.on_bytes(source, received->payload);
   }
 
   udp::socket socket_;
@@ -136,6 +160,8 @@ class Channel : public std::enable_shared_from_this<Channel> {
   /// One byte more than the longest datagram, so that a longer one is not taken for a whole one.
   std::array<char, wire::datagram_bytes_max + 1> buffer_{};
   std::uint64_t unsent_{0};
+  bool repeats_;
+  std::map<std::string, Accepted> newest_;  ///< by the source; at most three for each of DirectLink::senders_max
 };
 
 /// Invariant: the channel is open as long as this object exists.
@@ -149,7 +175,10 @@ class OpenLink final : public MulticastLink {
   ~OpenLink() override { channel_->close(); }
 
   void send(const std::string& port, std::string_view bytes) override {
-    if (const auto number = wire::v2x_port_number(port)) channel_->send(static_cast<std::uint8_t>(*number), bytes);
+    if (const auto number = wire::v2x_port_number(port))
+      channel_->send(static_cast<std::uint8_t>(*number), bytes);
+    else if (wire::v2x_source(port))
+      channel_->repeat(port, bytes);
   }
   [[nodiscard]] const wire::DirectLink::Counters& counters() const override { return channel_->counters(); }
   [[nodiscard]] std::uint64_t unsent() const override { return channel_->unsent(); }

@@ -17,6 +17,9 @@ struct MulticastOptions {
   std::string interface_name;  ///< "wlan0"; empty: the system's choice
   wire::VehicleId self;
   wire::DirectKey key;
+  /// The link can repeat: what is sent on the port of another sender (wire::v2x_port_of) is that sender's newest
+  /// datagram of this kind, byte for byte, if it holds these bytes; nothing else is ever sent in another name.
+  bool repeats{false};
 };
 
 /// The direct link over UDP multicast, as the ports of wire/own/v2x_port.h. Datagrams that are not accepted are counted

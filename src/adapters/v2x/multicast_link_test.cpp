@@ -41,13 +41,14 @@ std::string interface_of(bool ipv6) {
 
 /// One participant.
 struct Participant {
-  Participant(EventLoop& loop, const std::string& serial, bool ipv6, int offset, const wire::DirectKey& with = key) {
+  Participant(EventLoop& loop, const std::string& serial, bool ipv6, int offset, const wire::DirectKey& with = key,
+              bool repeats = false) {
     PortHandlers handlers;
     handlers.on_bytes = [this](const std::string& port, std::string_view bytes) {
       received.push_back(port + " " + std::string(bytes));
     };
     const MulticastAddress address{ipv6 ? "ff15::c051:7a" : "239.192.7.50", test_port(offset), ipv6};
-    auto opened = open_multicast(loop, {address, interface_of(ipv6), {"CoSiVA", serial}, with}, handlers);
+    auto opened = open_multicast(loop, {address, interface_of(ipv6), {"CoSiVA", serial}, with, repeats}, handlers);
     EXPECT_TRUE(opened) << to_string(opened.error());
     if (opened) link = std::move(*opened);
   }
@@ -101,6 +102,25 @@ TEST_P(MulticastLinkTest, ignores_and_counts_participants_with_another_key) {
   unknown.send("hello");
   EXPECT_TRUE(loop.run_until([&] { return one.link->counters().forged == 1; }, 2s));
   EXPECT_THAT(one.received, IsEmpty());
+}
+
+TEST_P(MulticastLinkTest, repeats_what_another_participant_sent_and_nothing_else_in_its_name) {
+  EventLoop loop;
+  auto one = std::make_unique<Participant>(loop, "AIV1", GetParam(), 6);
+  Participant unit{loop, "X1", GetParam(), 6, key, true};
+  one->send("hello");
+  ASSERT_TRUE(loop.run_until([&] { return unit.received.size() == 1; }, 2s));
+  one.reset();
+  // A participant that was out of the sender's reach.
+  Participant late{loop, "AIV2", GetParam(), 6};
+  unit.link->send("v2x/CoSiVA/AIV1", "changed");
+  unit.link->send("v2x/CoSiVA/AIV3", "hello");
+  EXPECT_EQ(unit.link->unsent(), 2U);
+  unit.link->send("v2x/CoSiVA/AIV1", "hello");
+  unit.link->send("v2x/CoSiVA/AIV1", "hello");
+  EXPECT_TRUE(loop.run_until([&] { return late.link->counters().replayed == 1; }, 2s));
+  EXPECT_THAT(late.received, ElementsAre("v2x/CoSiVA/AIV1 hello")) << "with the sender's own tag, and once";
+  EXPECT_EQ(late.link->counters().forged, 0U);
 }
 
 TEST_P(MulticastLinkTest, continues_with_a_participant_that_was_started_again) {

@@ -35,7 +35,7 @@ bool contains_all(const std::vector<std::size_t>& all, const std::vector<std::si
 }  // namespace
 
 CrossingNegotiation::CrossingNegotiation(const zone::TrafficZone& zone, wire::VehicleId self, Model model)
-    : zone_{zone}, self_{std::move(self)}, model_{model}, finder_{zone} {
+    : zone_{zone}, self_{std::move(self)}, model_{model}, finder_{zone}, units_{zone.name} {
   COSIVA_EXPECT(model.fresh > period && model.members_max > 0 && model.near_m > 0.0);
 }
 
@@ -158,6 +158,22 @@ bool CrossingNegotiation::all_yield(SimTime now) const {
   });
 }
 
+bool CrossingNegotiation::occupied_by_another(SimTime now, const std::vector<std::size_t>& crossings) const {
+  const auto disproved = [&](const wire::VehicleId& holder, std::size_t crossing) {
+    const auto name = [](const Member& m) { return key_of(m.last->vehicle); };
+    const auto known = std::ranges::lower_bound(members_, key_of(holder), {}, name);
+    if (known == members_.end() || known->last->vehicle != holder) return false;
+    return now >= known->at && now - known->at < model_.fresh &&
+           std::ranges::find(known->crossings, crossing) == known->crossings.end();
+  };
+  return std::ranges::any_of(crossings, [&](std::size_t crossing) {
+    return std::ranges::any_of(units_.holders(now, zone_.crossings[crossing].name),
+                               [&](const wire::CrossingStatus::Vehicle& holder) {
+                                 return holder.vehicle != self_ && !disproved(holder.vehicle, crossing);
+                               });
+  });
+}
+
 void CrossingNegotiation::update(SimTime now, const Agent& agent) {
   const PositionEstimator& position = agent.vehicle().position();
   if (!started_at_) {
@@ -177,14 +193,16 @@ void CrossingNegotiation::update(SimTime now, const Agent& agent) {
   follow_claim(agent, chains);
   make_claim(agent, chains);
   yield_where_due();
-  if (claim_ && !claim_->granted && all_yield(now)) {
+  if (claim_ && !claim_->granted && all_yield(now) && !occupied_by_another(now, claim_->crossings)) {
     claim_->granted = true;
     changed_ = true;
   }
   barrier_m_ = infinite;
   for (const Chain& chain : chains) {
     const bool granted = claim_ && claim_->granted && std::fabs(chain.exit_m - claim_->exit_m) < 1e-9;
-    if (!granted) barrier_m_ = std::min(barrier_m_, chain.entry_m);
+    // Inside of the first crossing of a chain there is no room for a stop before the next one.
+    const bool occupied = granted && !chain.inside && occupied_by_another(now, chain.crossings);
+    if (!granted || occupied) barrier_m_ = std::min(barrier_m_, chain.entry_m);
   }
   COSIVA_EXPECT(barrier_m_ > 0.0);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cosiva/aiv/decision/agent.h"
+#include "cosiva/aiv/negotiation/unit_watch.h"
 #include "cosiva/aiv/order/crossing_finder.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/own/crossing_claims.h"
@@ -31,6 +32,10 @@ namespace cosiva::aiv {
 /// yield, and a vehicle that yields to a claim cannot be granted one of its own before it receives that the other claim
 /// has ended. A vehicle that has just started listens for `listens` before it claims, so that others are known.
 ///
+/// Crossing units are witnesses: a crossing that a unit reports as occupied by another vehicle is not granted, and not
+/// entered though granted, unless that vehicle itself states, in a message younger than `fresh`, that it has no claim
+/// for the crossing. Therefore a unit can make vehicles wait, and never lets one go.
+///
 /// Invariant: the members are in the order of their names; a claim that is granted stays so until it ends.
 class CrossingNegotiation {
  public:
@@ -48,6 +53,10 @@ class CrossingNegotiation {
   /// @param sender  by whom the message was sent, as the link has verified
   /// @return        false: the message is not used, because its content is not the sender's or of this map
   bool on_message(SimTime now, const wire::VehicleId& sender, std::shared_ptr<const wire::CrossingClaims> message);
+  /// The status that a crossing unit sent; the result as of on_message().
+  bool on_status(SimTime now, const wire::VehicleId& sender, std::shared_ptr<const wire::CrossingStatus> status) {
+    return units_.on_status(now, sender, std::move(status));
+  }
   /// One step, before each decision of the agent.
   void update(SimTime now, const Agent& agent);
   /// Along the path to the first crossing that the vehicle may not enter yet; infinite: none is near.
@@ -66,6 +75,7 @@ class CrossingNegotiation {
   };
   [[nodiscard]] const std::optional<Claim>& claim() const { return claim_; }
   [[nodiscard]] std::size_t members() const { return members_.size(); }
+  [[nodiscard]] const UnitWatch& units() const { return units_; }
 
  private:
   struct Member {
@@ -86,6 +96,8 @@ class CrossingNegotiation {
   void make_claim(const Agent& agent, const std::vector<Chain>& chains);
   void yield_where_due();
   [[nodiscard]] bool all_yield(SimTime now) const;
+  /// By the report of a crossing unit, another vehicle is in one of them, or holds it.
+  [[nodiscard]] bool occupied_by_another(SimTime now, const std::vector<std::size_t>& crossings) const;
   [[nodiscard]] bool goes_first(const Member& member) const;
   [[nodiscard]] std::uint32_t own_priority() const;
 
@@ -94,6 +106,7 @@ class CrossingNegotiation {
   Model model_;
   CrossingFinder finder_;
   std::vector<Member> members_;
+  UnitWatch units_;
   std::optional<Claim> claim_;
   std::vector<std::size_t> occupied_;  ///< the crossings that the vehicle's body is in
   std::optional<SimTime> started_at_;

@@ -175,6 +175,101 @@ TEST(CrossingNegotiation, keeps_the_claim_of_a_vehicle_that_stops_in_the_crossin
   EXPECT_FALSE(east.granted());
 }
 
+/// A status of the unit at a crossing, as over the wire.
+std::shared_ptr<const wire::CrossingStatus> status_of(const std::string& crossing, std::uint32_t header,
+                                                      const std::vector<std::string>& holders) {
+  auto status = std::make_shared<wire::CrossingStatus>();
+  status->header_id = header;
+  status->map_id = "lacet4";
+  status->unit = {"CoSiVA.unit", crossing};
+  status->crossing = crossing;
+  for (const std::string& serial : holders) status->holders.push_back({{"CoSiVA", serial}, 0});
+  return status;
+}
+
+/// A vehicle at the clover's east straight, and the unit at the first crossing there.
+struct Witnessed {
+  Meeting meeting;
+  Participant& east{meeting.add("AIV1", "east")};
+  std::string crossing;
+  std::uint32_t header{0};
+
+  Witnessed() {
+    // The first crossing along the straight: the claim names it first.
+    meeting.step();
+    crossing = lacet4().crossings[east.negotiation.claim()->crossings.front()].name;
+  }
+  void report_for(SimDuration duration, const std::vector<std::string>& holders) {
+    for (const SimTime end = meeting.now + duration; meeting.now < end; meeting.step())
+      EXPECT_TRUE(
+          east.negotiation.on_status(meeting.now, {"CoSiVA.unit", crossing}, status_of(crossing, ++header, holders)));
+  }
+};
+
+TEST(CrossingNegotiation, does_not_enter_a_crossing_that_its_unit_reports_as_occupied) {
+  Witnessed by;
+  by.report_for(4s, {"AIV9"});
+  EXPECT_FALSE(by.east.granted());
+  EXPECT_TRUE(std::isfinite(by.east.negotiation.barrier_m()));
+  by.report_for(100ms, {});
+  EXPECT_TRUE(by.east.granted());
+}
+
+TEST(CrossingNegotiation, stops_before_a_granted_crossing_that_its_unit_reports_as_occupied_since) {
+  Witnessed by;
+  by.meeting.run(3s);
+  ASSERT_TRUE(by.east.granted());
+  const double free_m = by.east.negotiation.barrier_m();
+  by.report_for(100ms, {"AIV9"});
+  EXPECT_TRUE(by.east.granted());
+  EXPECT_LT(by.east.negotiation.barrier_m(), free_m);
+  for (const double s_m : {0.2, 0.3, 0.4, 0.5, 0.6}) {
+    by.east.move_to(s_m);
+    by.report_for(20ms, {"AIV9"});
+  }
+  EXPECT_TRUE(std::isinf(by.east.negotiation.barrier_m())) << "inside: it leaves the crossing";
+}
+
+TEST(CrossingNegotiation, waits_for_a_unit_neither_on_its_own_account_nor_after_the_units_last_second) {
+  Witnessed by;
+  by.report_for(3s, {"AIV1"});
+  EXPECT_TRUE(by.east.granted()) << "the holder is the vehicle itself";
+  Witnessed ended;
+  ended.report_for(3s, {"AIV9"});
+  ASSERT_FALSE(ended.east.granted());
+  ended.meeting.run(960ms);
+  EXPECT_FALSE(ended.east.granted());
+  ended.meeting.run(60ms);
+  EXPECT_TRUE(ended.east.granted());
+}
+
+TEST(CrossingNegotiation, is_not_held_by_a_unit_on_account_of_a_vehicle_that_disproves_it) {
+  Witnessed by;
+  Participant& west = by.meeting.add("AIV2", "west");
+  by.report_for(3s, {"AIV2"});
+  ASSERT_TRUE(west.negotiation.claim()) << "for crossings of its own straight";
+  EXPECT_TRUE(by.east.granted());
+  by.meeting.mute = "AIV2";
+  by.east.move_to(0.0);
+  by.report_for(600ms, {"AIV2"});
+  EXPECT_TRUE(std::isfinite(by.east.negotiation.barrier_m())) << "its last message is too old to disprove it";
+}
+
+TEST(CrossingNegotiation, is_never_granted_a_claim_by_a_unit) {
+  Meeting meeting;
+  Participant& north = meeting.add("AIV1", "north");
+  Participant& east = meeting.add("AIV2", "east");
+  meeting.run(3s);
+  ASSERT_TRUE(north.granted());
+  for (std::uint32_t header = 1; header < 100; ++header) {
+    for (const zone::Crossing& crossing : lacet4().crossings)
+      EXPECT_TRUE(east.negotiation.on_status(meeting.now, {"CoSiVA.unit", crossing.name},
+                                             status_of(crossing.name, header, {"AIV2"})));
+    meeting.step();
+    EXPECT_FALSE(east.granted()) << "the other vehicle has not yielded, whatever a unit reports";
+  }
+}
+
 TEST(CrossingNegotiation, does_not_use_a_message_under_another_name_or_of_another_map) {
   Participant one{"AIV1", "east", 0.1};
   wire::CrossingClaims message;

@@ -60,6 +60,7 @@ void V2xParticipant::on_direct(SimTime now, const wire::V2xSource& source, const
   if (!enabled_) return;
   if (source.port == wire::v2x_port) on_direct_intent(now, source.sender, input, context, effects);
   if (source.port == wire::claims_port) on_claims(now, source.sender, input, context, effects);
+  if (source.port == wire::unit_port) on_status(now, source.sender, input, context, effects);
 }
 
 void V2xParticipant::on_direct_intent(SimTime now, const wire::VehicleId& sender, const wire::Input& input,
@@ -81,6 +82,17 @@ void V2xParticipant::on_claims(SimTime now, const wire::VehicleId& sender, const
     return refuse(input, claims.error().code + " " + claims.error().location, to_string(claims.error()), effects);
   if (!negotiation->on_message(now, sender, std::move(*claims)))
     refuse(input, "claims", "claims of another vehicle or map than their sender's", effects);
+}
+
+void V2xParticipant::on_status(SimTime now, const wire::VehicleId& sender, const wire::Input& input,
+                               DrivingContext& context, wire::Effects& effects) {
+  CrossingNegotiation* const negotiation = context.negotiation();
+  if (negotiation == nullptr) return;
+  auto status = wire::received_status(input.payload);
+  if (!status)
+    return refuse(input, status.error().code + " " + status.error().location, to_string(status.error()), effects);
+  if (!negotiation->on_status(now, sender, std::move(*status)))
+    refuse(input, "unit", "a crossing's status of another unit or map than its sender's", effects);
 }
 
 void V2xParticipant::publish_claims(SimTime now, DrivingContext& context, wire::Effects& effects) {

@@ -37,7 +37,7 @@ class V2xParticipant {
   [[nodiscard]] std::vector<std::string> filters() const;
 
   void on_intent(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects);
-  /// A message of the direct link: an intent, or claims for crossings.
+  /// A message of the direct link: an intent, claims for crossings, or a crossing unit's status.
   void on_direct(SimTime now, const wire::V2xSource& source, const wire::Input& input, DrivingContext& context,
                  wire::Effects& effects);
   void publish_claims(SimTime now, DrivingContext& context, wire::Effects& effects);
@@ -53,6 +53,8 @@ class V2xParticipant {
   void on_direct_intent(SimTime now, const wire::VehicleId& sender, const wire::Input& input, DrivingContext& context,
                         wire::Effects& effects);
   void on_claims(SimTime now, const wire::VehicleId& sender, const wire::Input& input, DrivingContext& context,
+                 wire::Effects& effects);
+  void on_status(SimTime now, const wire::VehicleId& sender, const wire::Input& input, DrivingContext& context,
                  wire::Effects& effects);
   void use(SimTime now, const wire::V2xTopic& topic, std::shared_ptr<const wire::Intent> intent,
            const wire::Input& input, DrivingContext& context, wire::Effects& effects);

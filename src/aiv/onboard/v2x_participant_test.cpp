@@ -64,6 +64,30 @@ TEST_F(V2xParticipantTest, logs_an_intent_that_cannot_be_read_once) {
   EXPECT_EQ(effects.size(), 2U);
 }
 
+TEST_F(V2xParticipantTest, that_negotiates_takes_the_status_of_crossing_units_by_the_direct_link) {
+  OnboardOptions options;
+  options.autonomy = Autonomy::negotiate;
+  DrivingContext negotiating{lacet4(), options};
+  wire::CrossingStatus status;
+  status.map_id = "lacet4";
+  status.unit = {"CoSiVA.unit", "X1"};
+  status.crossing = "X1";
+  status.holders.push_back({{"CoSiVA", "AIV2"}, 0});
+  const auto receive = [&](DrivingContext& by, const std::string& payload) {
+    effects.clear();
+    v2x.on_direct(SimTime{}, {wire::unit_port, status.unit}, {SimTime{}, wire::InputKind::bytes, "", payload, false},
+                  by, effects);
+    return effects.size();
+  };
+  EXPECT_EQ(receive(context, "{"), 0U) << "a vehicle that does not negotiate has no use for it";
+  EXPECT_EQ(receive(negotiating, to_json(status)), 0U);
+  EXPECT_EQ(negotiating.negotiation()->units().holders(SimTime{}, "X1").size(), 1U);
+  EXPECT_EQ(receive(negotiating, "{"), 1U) << "logged";
+  status.map_id = "indus8";
+  EXPECT_EQ(receive(negotiating, to_json(status)), 1U) << "logged";
+  EXPECT_EQ(negotiating.negotiation()->units().units(), 1U);
+}
+
 TEST_F(V2xParticipantTest, changes_its_cell_more_than_30_cm_outside) {
   // lacet4's "east" leads along y = -0.15 m, from x = -0.75 m to 0.75 m: out of the cell -1, -1 at x = 0.
   DrivingContext there{lacet4(), {}};

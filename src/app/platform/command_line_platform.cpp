@@ -35,7 +35,7 @@ void add_part(Command command, PartArguments& part) {
   command.add_flag("--announce", part.announce).hidden();
 }
 
-void add_direct(Command command, DirectArguments& direct) {
+void add_link(Command command, DirectArguments& direct) {
   const Option multicast =
       command
           .add_option("--v2x-multicast", direct.multicast,
@@ -51,6 +51,10 @@ void add_direct(Command command, DirectArguments& direct) {
   command.add_option("--v2x-interface", direct.interface_name, "with --v2x-multicast: network interface, such as wlan0")
       .value_name("NAME")
       .needs(multicast);
+}
+
+void add_direct(Command command, DirectArguments& direct) {
+  add_link(command, direct);
   command
       .add_option("--link-loss", direct.link_loss,
                   "500 ms after the last message of broker or server an AIV brakes, or finishes its base while it "
@@ -152,6 +156,13 @@ void describe_up(Command command, UpArguments& up) {
   command.add_switch("--v2x", up.v2x, "AIVs send V2X messages about their intent to AIVs nearby");
   add_equipment(command, up.line_tracking, up.without_rali);
   add_direct(command, up.direct);
+  command
+      .add_option(
+          "--crossing-units", up.crossing_units,
+          "a roadside unit at each crossing, or at the named ones: it repeats V2X messages for AIVs that do not "
+          "receive each other, and reports who is in the crossing and who waits (docs/guide/direct_link.md)")
+      .value_name("NAME|all")
+      .one_value_each();
   command.add_switch("--convoys", up.convoys,
                      "several AIVs of the same direction pass a crossing as a convoy, when that saves time");
   add_limits(command, up.limits);
@@ -269,6 +280,21 @@ void describe_aiv(Command command, AivArguments& aiv) {
   add_part(command, aiv.part);
 }
 
+void describe_unit(Command command, UnitArguments& unit) {
+  command.add_option("--crossing", unit.crossing, "its crossing, such as X1").value_name("NAME").required();
+  command.add_option("--zone", unit.zone, "traffic zone: a ready one's name or a file")
+      .value_name("NAME|FILE")
+      .required();
+  add_link(command, unit.direct);
+  command.add_flag("--emulated", unit.emulated, "scenarios may switch it off and on");
+  command.add_flag("--off", unit.off, "with --emulated: it begins switched off");
+  command.footer(
+      "Example, the unit of a crossing on a broker and a direct link of your own:\n"
+      "  cosiva unit --crossing X1 --zone lacet4 --broker 10.0.0.5 --v2x-multicast 239.192.7.50:7500 --v2x-key "
+      "v2x.key");
+  add_part(command, unit.part);
+}
+
 }  // namespace
 
 PlatformCommands describe_platform(Command root, PlatformArguments& platform) {
@@ -278,11 +304,13 @@ PlatformCommands describe_platform(Command root, PlatformArguments& platform) {
   commands.server = root.add_subcommand("server", "AIV_Server, simulator and page alone");
   commands.plant = root.add_subcommand("plant", "The emulated physical world alone");
   commands.aiv = root.add_subcommand("aiv", "One vehicle's on-board program alone");
+  commands.unit = root.add_subcommand("unit", "One crossing unit alone: a roadside unit of V2X");
   commands.replay = root.add_subcommand("replay", "Run a recorded journal again and compare the digests");
   describe_up(commands.up, platform.up);
   describe_server(commands.server, platform.server);
   describe_plant(commands.plant, platform.plant);
   describe_aiv(commands.aiv, platform.aiv);
+  describe_unit(commands.unit, platform.unit);
   commands.replay.add_option("file", platform.replay.file, "journal made with --record; '-' reads standard input")
       .value_name("FILE")
       .required();
@@ -292,11 +320,12 @@ PlatformCommands describe_platform(Command root, PlatformArguments& platform) {
 
 std::optional<int> run_platform_command(const PlatformCommands& commands, PlatformArguments& platform) {
   platform.up.given = {commands.up.given("--zone"), commands.up.given("--aivs"), commands.up.given("--seed"),
-                       commands.up.given("--duration")};
+                       commands.up.given("--duration"), commands.up.given("--crossing-units")};
   if (commands.up.chosen()) return run_up(platform.up);
   if (commands.server.chosen()) return run_server(platform.server);
   if (commands.plant.chosen()) return run_plant(platform.plant);
   if (commands.aiv.chosen()) return run_aiv(platform.aiv);
+  if (commands.unit.chosen()) return run_unit(platform.unit);
   if (commands.replay.chosen()) return run_replay(platform.replay);
   return std::nullopt;
 }

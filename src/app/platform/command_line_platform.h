@@ -8,6 +8,7 @@
 #include "cosiva/app/platform/replay_command.h"
 #include "cosiva/app/platform/scenario_commands.h"
 #include "cosiva/app/platform/server_command.h"
+#include "cosiva/app/platform/unit_command.h"
 #include "cosiva/app/platform/up_arguments.h"
 
 /// The options of `cosiva up`, of the parts that run alone, of `cosiva replay` and of `cosiva scenario`.
@@ -18,14 +19,16 @@ struct PlatformArguments {
   ServerArguments server;
   PlantArguments plant;
   AivArguments aiv;
+  UnitArguments unit;
   ReplayArguments replay;
 };
-/// `cosiva up`, `server`, `plant`, `aiv` and `replay`.
+/// `cosiva up`, `server`, `plant`, `aiv`, `unit` and `replay`.
 struct PlatformCommands {
   Command up;
   Command server;
   Command plant;
   Command aiv;
+  Command unit;
   Command replay;
 };
 [[nodiscard]] PlatformCommands describe_platform(Command root, PlatformArguments& platform);

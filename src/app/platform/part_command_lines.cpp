@@ -24,6 +24,12 @@ void option(Argv& line, const char* name, const std::string& value) {
   if (!value.empty()) append(line, {name, value});
 }
 
+void append_link(Argv& line, const DirectArguments& direct) {
+  option(line, "--v2x-multicast", direct.multicast);
+  option(line, "--v2x-key", direct.key_file);
+  option(line, "--v2x-interface", direct.interface_name);
+}
+
 }  // namespace
 
 Argv PartCommandLines::part(const std::string& command) const {
@@ -59,11 +65,18 @@ Argv PartCommandLines::aiv(std::uint32_t number, const zone::TrackPosition& star
   if (std::ranges::count(without_rali, name) + std::ranges::count(without_rali, "all") > 0)
     append(line, {"--rali", "off"});
   const DirectArguments& direct = plan_.arguments.direct;
-  option(line, "--v2x-multicast", direct.multicast);
-  option(line, "--v2x-key", direct.key_file);
-  option(line, "--v2x-interface", direct.interface_name);
+  append_link(line, direct);
   if (direct.link_loss != DirectArguments{}.link_loss) append(line, {"--link-loss", direct.link_loss});
   if (direct.autonomy != DirectArguments{}.autonomy) append(line, {"--autonomy", direct.autonomy});
+  return line;
+}
+
+Argv PartCommandLines::unit(const experiments::WorldUnit& unit) const {
+  Argv line = part("unit");
+  append(line, {"--crossing", unit.crossing, "--zone", plan_.rtm.configuration().origin, "--emulated", "--announce"});
+  append(line, {"--summary", run_ / ("unit-" + unit.crossing + ".json")});
+  if (unit.off) append(line, {"--off"});
+  append_link(line, plan_.arguments.direct);
   return line;
 }
 

@@ -35,6 +35,7 @@ class PartCommandLines {
   /// @param number  1 for CoSiVA/AIV1
   /// @param start   the first position of the vehicle
   [[nodiscard]] Argv aiv(std::uint32_t number, const zone::TrackPosition& start) const;
+  [[nodiscard]] Argv unit(const experiments::WorldUnit& unit) const;
   [[nodiscard]] Argv gvs() const;
   /// A restarted server records another journal, and continues the scenario where the last one stopped.
   [[nodiscard]] Argv server(const ServerProgress& progress) const;

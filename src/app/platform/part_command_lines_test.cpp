@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/adapters/test_fixture.h"
@@ -28,16 +29,17 @@ class PartCommands : public ::testing::Test {
     broker.address = "127.0.0.1:1883";
   }
 
-  enum class Part { plant, aiv, gvs, server };
+  enum class Part { plant, aiv, unit, gvs, server };
   std::vector<std::string> line(Part part, const ServerProgress& progress = {}) {
     auto plan = plan_run(arguments);
     auto run = RunDirectory::create(folder);
     EXPECT_TRUE(plan && run);
     const PartCommandLines lines{*plan, *run, broker};
-    auto argv = part == Part::plant ? lines.plant()
-                : part == Part::aiv ? lines.aiv(2, {plan->rtm.zone().circuit.find("north").value(), 0.25})
-                : part == Part::gvs ? lines.gvs()
-                                    : lines.server(progress);
+    auto argv = part == Part::plant  ? lines.plant()
+                : part == Part::aiv  ? lines.aiv(2, {plan->rtm.zone().circuit.find("north").value(), 0.25})
+                : part == Part::unit ? lines.unit(plan->units.at(0))
+                : part == Part::gvs  ? lines.gvs()
+                                     : lines.server(progress);
     argv.erase(argv.begin());
     return argv;
   }
@@ -81,6 +83,19 @@ TEST_F(PartCommands, give_the_plant_and_each_vehicle_its_equipment) {
   EXPECT_THAT(line(Part::aiv), Not(Contains("--rali")));
   arguments.without_rali = {"all"};
   EXPECT_EQ(value(line(Part::aiv), "--rali"), "off");
+}
+
+TEST_F(PartCommands, start_a_crossing_unit_at_its_crossing_with_the_link_of_the_run) {
+  arguments.crossing_units = {"X2"};
+  EXPECT_THAT(line(Part::unit),
+              ElementsAre("unit", "--broker", "127.0.0.1:1883", "--crossing", "X2", "--zone", arguments.zone,
+                          "--emulated", "--announce", "--summary", folder + "/unit-X2.json"));
+  arguments.direct.multicast = "239.192.7.50:7500";
+  arguments.direct.key_file = scratch.write("key", std::string(32, 'k'));
+  std::filesystem::permissions(arguments.direct.key_file, std::filesystem::perms::owner_read);
+  EXPECT_EQ(value(line(Part::unit), "--v2x-multicast"), "239.192.7.50:7500");
+  EXPECT_EQ(value(line(Part::unit), "--v2x-key"), arguments.direct.key_file);
+  EXPECT_THAT(line(Part::unit), Not(Contains("--link-loss")));
 }
 
 TEST_F(PartCommands, start_the_server_with_the_options_of_the_run) {

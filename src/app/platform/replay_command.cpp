@@ -9,6 +9,7 @@
 #include "cosiva/journal/replay.h"
 #include "cosiva/physical/plant/plant_core.h"
 #include "cosiva/physical/plant/plant_options.h"
+#include "cosiva/physical/roadside/crossing_unit.h"
 #include "cosiva/virtual/server/core/server_core.h"
 
 namespace cosiva::app {
@@ -34,6 +35,13 @@ MadeCore make_core(const wire::Input& configure) {
     auto options = aiv::onboard_options_from_json(configure.payload);
     if (!options) return tl::unexpected(options.error());
     return std::make_unique<aiv::OnboardCore>(std::move(*options));
+  }
+  if (configure.source == "unit") {
+    auto options = physical::crossing_unit_options_from_json(configure.payload);
+    if (!options) return tl::unexpected(options.error());
+    auto core = physical::CrossingUnit::make(std::move(*options));
+    if (!core) return tl::unexpected(core.error());
+    return std::move(*core);
   }
   return fail("journal.kind",
               "the journal was recorded by '" + configure.source + "', which this version does not know");

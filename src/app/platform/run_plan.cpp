@@ -1,5 +1,6 @@
 #include "cosiva/app/platform/run_plan.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "cosiva/app/cli/console.h"
@@ -41,6 +42,40 @@ void merge(UpArguments& arguments, const experiments::Scenario& scenario) {
     report_precedence("duration", decimals(*arguments.duration_s, 1) + " s", decimals(*scenario.duration_s, 1) + " s");
   else if (!given.duration)
     arguments.duration_s = scenario.duration_s;
+  if (!given.crossing_units) arguments.crossing_units = scenario.crossing_units;
+}
+
+/// Each unit is a process.
+constexpr std::size_t units_max = 64;
+
+Result<std::vector<experiments::WorldUnit>> units_of(const UpArguments& arguments,
+                                                     const std::optional<experiments::Scenario>& scenario,
+                                                     const zone::TrafficZone& zone) {
+  std::vector<experiments::WorldUnit> units;
+  const auto add = [&](const std::string& crossing, bool off) {
+    if (std::ranges::find(units, crossing, &experiments::WorldUnit::crossing) == units.end())
+      units.push_back({crossing, off});
+  };
+  std::string names;
+  for (const zone::Crossing& one : zone.crossings) names.append(names.empty() ? "" : ", ").append(one.name);
+  for (const std::string& given : arguments.crossing_units) {
+    const bool known = std::ranges::find(zone.crossings, given, &zone::Crossing::name) != zone.crossings.end();
+    if (given != "all" && !known)
+      return fail("up.crossing_units",
+                  zone.name + " has no crossing '" + given + "'; " +
+                      (names.empty() ? "it has none at all" : "give all, or one of " + names),
+                  "--crossing-units");
+    for (const zone::Crossing& one : zone.crossings)
+      if (given == "all" || given == one.name) add(one.name, false);
+  }
+  if (scenario)
+    for (const std::string& crossing : scenario->switched_units) add(crossing, true);
+  if (units.size() > units_max)
+    return fail("up.crossing_units",
+                "at most " + std::to_string(units_max) + " units can be started, not " + std::to_string(units.size()) +
+                    "; name the crossings that need one",
+                "--crossing-units");
+  return units;
 }
 
 }  // namespace
@@ -81,6 +116,10 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
   }
   auto equipment = physical::read_equipment(merged.aivs, merged.line_tracking, merged.without_rali);
   if (!equipment) return tl::unexpected(equipment.error());
+  auto units = units_of(merged, scenario, rtm->zone());
+  if (!units) return tl::unexpected(units.error());
+  if (!units->empty() && !merged.v2x)
+    return fail("up.v2x", "is off, and crossing units receive V2X messages only", "--v2x");
   if (scenario) {
     // The scenario is validated as it will run. A run that the command line shortens is no error of the file.
     experiments::Scenario evaluated = *scenario;
@@ -95,8 +134,9 @@ Result<RunPlan> plan_run(const UpArguments& arguments) {
     print_info("the zone " + merged.zone + " is your own: " + rtm->configuration().origin);
   std::string name = merged.name.empty() ? default_run_name(scenario ? scenario->name : rtm->zone().name) : merged.name;
   std::string zone_file = is_like_a_file(merged.zone) ? rtm->configuration().origin : std::string{};
-  return RunPlan{std::move(merged),        std::move(name),      std::move(*rtm),  std::move(scenario),
-                 std::move(scenario_file), std::move(zone_file), std::move(rules), std::move(*equipment)};
+  return RunPlan{std::move(merged),   std::move(name),          std::move(*rtm),
+                 std::move(scenario), std::move(scenario_file), std::move(zone_file),
+                 std::move(rules),    std::move(*equipment),    std::move(*units)};
 }
 
 }  // namespace cosiva::app

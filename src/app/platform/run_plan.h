@@ -8,6 +8,7 @@
 #include "cosiva/app/platform/up_arguments.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/zone/rtm/rtm.h"
 
@@ -23,6 +24,8 @@ struct RunPlan {
   std::string zone_file;                 ///< where edits may be saved: the given file; empty for a ready zone
   std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind has its own
   std::vector<physical::VehicleEquipment> equipment{};
+  /// The crossing units: those that a scenario adds later begin switched off.
+  std::vector<experiments::WorldUnit> units{};
 };
 
 /// Fails on a scenario or a zone that is missing or bad, on a scenario that does not fit, on too many vehicles. Prints

@@ -36,6 +36,45 @@ TEST(RunPlan, without_a_scenario_follows_the_command_line) {
   EXPECT_EQ(plan->zone_file, lacet4) << "a zone given as a file may be saved into it";
 }
 
+std::vector<std::string> units_of(const UpArguments& arguments) {
+  const auto plan = plan_run(arguments);
+  EXPECT_TRUE(plan) << to_string(plan.error());
+  std::vector<std::string> units;
+  for (const experiments::WorldUnit& unit : plan->units) units.push_back(unit.crossing + (unit.off ? " off" : ""));
+  return units;
+}
+
+TEST(RunPlan, has_a_unit_at_each_crossing_or_at_the_named_ones) {
+  UpArguments arguments;
+  arguments.zone = lacet4;
+  EXPECT_THAT(units_of(arguments), ::testing::IsEmpty());
+  arguments.crossing_units = {"X3", "X1"};
+  EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X3", "X1"));
+  arguments.crossing_units = {"all"};
+  EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X1", "X2", "X3", "X4"));
+  arguments.v2x = false;
+  EXPECT_EQ(plan_run(arguments).error().code, "up.v2x") << "they would receive nothing";
+  arguments.v2x = true;
+  arguments.crossing_units = {"X9"};
+  const auto unknown = plan_run(arguments);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, "up.crossing_units");
+  EXPECT_THAT(unknown.error().message, HasSubstr("X1, X2, X3, X4"));
+}
+
+TEST(RunPlan, has_the_units_of_the_scenario_and_those_that_it_adds_switched_off) {
+  Scratch scratch;
+  const std::string file = day(scratch,
+                               "crossing_units = [\"X1\"]\n[[at]]\nt_s = 1\n"
+                               "unit = { crossing = \"X1\", on = false }\n[[at]]\nt_s = 2\n"
+                               "unit = { crossing = \"X2\", on = true }\n");
+  UpArguments arguments = with_scenario(file);
+  EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X1", "X2 off"));
+  arguments.crossing_units = {"X4"};
+  arguments.given.crossing_units = true;
+  EXPECT_THAT(units_of(arguments), ::testing::ElementsAre("X4", "X1 off", "X2 off"));
+}
+
 TEST(RunPlan, takes_missing_options_from_the_scenario) {
   Scratch scratch;
   UpArguments arguments = with_scenario(day(scratch, "duration_s = 30\n"));

@@ -22,6 +22,7 @@ struct UpArguments {
     bool aivs{false};
     bool seed{false};
     bool duration{false};
+    bool crossing_units{false};
   };
   Given given;
   std::string zone{"lacet4"};
@@ -49,6 +50,7 @@ struct UpArguments {
   std::string web_directory;
   bool v2x{true};
   DirectArguments direct;
+  std::vector<std::string> crossing_units;  ///< crossings with a unit, or all
   bool convoys{true};
   bool gvs{false};  ///< a camera observes the zone
   GvsSource gvs_source;

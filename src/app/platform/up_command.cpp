@@ -98,6 +98,10 @@ class Up {
     if (auto started = add(server_name, server_stage, [this] { return server_command_line(); }); !started)
       return started;
     if (auto started = add_aivs(); !started) return started;
+    for (const experiments::WorldUnit& unit : plan_.units) {
+      const auto command_line = [this, unit] { return command_lines_->unit(unit); };
+      if (auto started = add("unit-" + unit.crossing, aiv_stage, command_line); !started) return started;
+    }
     if (arguments().gvs) {
       if (auto started = add(gvs_name, plant_stage, [this] { return command_lines_->gvs(); }); !started) return started;
     }

@@ -15,6 +15,7 @@ Result<std::unique_ptr<VirtualRun>> VirtualRun::make(RunPlan plan) {
   options.network.loss = plan.arguments.loss;
   options.v2x = options.server.v2x = plan.arguments.v2x;
   if (!plan.arguments.direct.multicast.empty()) options.radio.emplace().loss = plan.arguments.loss;
+  options.units = plan.units;
   options.server.negotiated_crossings = plan.arguments.direct.autonomy == "negotiate";
   options.adapt_aiv = [direct = plan.arguments.direct](aiv::OnboardOptions& aiv) {
     if (direct.link_loss == "finish-base") aiv.link_loss = aiv::LinkLoss::finish_base;

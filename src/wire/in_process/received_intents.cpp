@@ -63,6 +63,11 @@ Result<std::shared_ptr<const CrossingClaims>> received_claims(std::string_view j
   return received_message(json, received, crossing_claims_from_json);
 }
 
+Result<std::shared_ptr<const CrossingStatus>> received_status(std::string_view json) {
+  static thread_local std::array<KnownMessage<CrossingStatus>, slots> received;
+  return received_message(json, received, crossing_status_from_json);
+}
+
 Result<std::shared_ptr<const Intent>> received_intent(const Input& input) {
   if (const auto* intent = value_as<Intent>(input.typed)) return std::shared_ptr<const Intent>{input.typed, intent};
   return received_intent(input.payload);

@@ -5,6 +5,7 @@
 
 #include "cosiva/base/result.h"
 #include "cosiva/wire/own/crossing_claims.h"
+#include "cosiva/wire/own/crossing_status.h"
 #include "cosiva/wire/own/v2x.h"
 #include "cosiva/wire/runtime/core.h"
 
@@ -19,6 +20,8 @@ namespace cosiva::wire {
 
 /// Likewise, the result of crossing_claims_from_json.
 [[nodiscard]] Result<std::shared_ptr<const CrossingClaims>> received_claims(std::string_view json);
+/// Likewise, the result of crossing_status_from_json.
+[[nodiscard]] Result<std::shared_ptr<const CrossingStatus>> received_status(std::string_view json);
 
 /// The result of parse_v2x_topic, cached likewise; null where that gives nothing. Valid until the next call.
 [[nodiscard]] const V2xTopic* received_v2x_topic(std::string_view topic);

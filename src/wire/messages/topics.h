@@ -26,6 +26,10 @@ inline constexpr std::string_view plant_command_topic = "cosiva/v1/plant/command
 /// of its messages, in both directions. Physical vehicles do not subscribe.
 inline constexpr std::string_view plant_radio_topic = "cosiva/v1/plant/radio";
 
+/// The emulated units: {"crossing":"X1","on":false}: the *emulated* unit of this crossing then neither sends nor
+/// receives anything. Physical units do not subscribe.
+inline constexpr std::string_view plant_unit_topic = "cosiva/v1/plant/unit";
+
 /// Server → one vehicle: the virtual objects near its route (wire::VirtualObstacles).
 inline constexpr std::string_view virtual_obstacles_topic_prefix = "cosiva/v1/virtual_obstacles/";
 /// Vehicle → server: the vehicle has taken a VirtualObstacles message into account (wire::VirtualObstaclesAck).
@@ -35,6 +39,11 @@ inline constexpr std::string_view virtual_obstacles_ack_topic_prefix = "cosiva/v
 inline constexpr std::string_view detected_obstacle_topic_prefix = "cosiva/v1/detected_obstacle/";
 /// Vehicle → server, twice a second: the condition of its boards (wire::BoardsReport, A18).
 inline constexpr std::string_view boards_topic_prefix = "cosiva/v1/boards/";
+
+/// Crossing unit → all, five times a second (wire::CrossingStatus).
+inline constexpr std::string_view unit_topic_prefix = "cosiva/v1/unit/";
+/// The manufacturer in the identity of crossing units; their serial number is the crossing's name: "CoSiVA.unit/X1".
+inline constexpr std::string_view unit_manufacturer = "CoSiVA.unit";
 
 /// The manufacturer of vehicles that are added only virtually (A3): "CoSiVA.virtual/V1".
 inline constexpr std::string_view virtual_manufacturer = "CoSiVA.virtual";

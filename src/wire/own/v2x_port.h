@@ -17,12 +17,15 @@ namespace cosiva::wire {
 inline constexpr std::string_view v2x_port = "v2x";
 /// Likewise: claims for crossings.
 inline constexpr std::string_view claims_port = "v2x.claims";
+/// Likewise, of crossing units: the status of their crossings.
+inline constexpr std::string_view unit_port = "v2x.unit";
 /// All of them. The number of a port in this list is the kind of its datagrams; never change one.
-inline constexpr std::array<std::string_view, 2> v2x_ports{v2x_port, claims_port};
+inline constexpr std::array<std::string_view, 3> v2x_ports{v2x_port, claims_port, unit_port};
 /// The number of a port in that list; nothing for any other port.
 [[nodiscard]] std::optional<std::size_t> v2x_port_number(std::string_view port);
 
-/// Input::source of the messages of one sender: "v2x/CoSiVA/AIV1".
+/// Input::source of the messages of one sender: "v2x/CoSiVA/AIV1". As SendBytes::port: a message that was received from
+/// this sender is sent again, unchanged and in the sender's name, for those that are out of the sender's reach.
 [[nodiscard]] std::string v2x_port_of(const VehicleId& sender, std::string_view port = v2x_port);
 struct V2xSource {
   std::string_view port;  ///< one of v2x_ports

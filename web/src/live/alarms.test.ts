@@ -29,6 +29,18 @@ describe('abnormal conditions', () => {
   });
 });
 
+describe('alarms of crossing units', () => {
+  const unit = { crossing: 'X1', x: 0.15, y: -0.15, state: 'online', age_ms: 90, holders: [], waiting: [], trouble: null } as const;
+
+  it('last as long as the unit has a trouble', () => {
+    const book = new AlarmBook();
+    expect(alarms_after(book, [], { units: [unit] })).toEqual([]);
+    expect(alarms_after(book, [], { units: [{ ...unit, state: 'unresponsive', trouble: 'no status for 2 s' }] })).toMatchObject([{ name: 'Crossing unit X1', vehicle: null, text: 'No status for 2 s', ended_ms: null }]);
+    expect(alarms_after(book, [], { units: [{ ...unit, state: 'unresponsive', trouble: 'no status for 3 s' }] })).toMatchObject([{ text: 'No status for 3 s' }]);
+    expect(alarms_after(book, [], { units: [unit], time_ms: 12_000 })).toMatchObject([{ ended_ms: 12_000 }]);
+  });
+});
+
 describe('alarms of the platform', () => {
   const part = { name: 'gvs', state: 'failing', restarts: 12, last_error: 'exit 3' } as const;
 

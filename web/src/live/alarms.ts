@@ -104,6 +104,7 @@ export class AlarmBook {
       if (deadlock.state === 'confirmed' || deadlock.state === 'yielding' || deadlock.state === 'unresolved') see(null, 'Traffic', cause);
       else if (deadlock.state === 'resolved') changed = this.end_deadlock(deadlock, cause, now) || changed;
     }
+    for (const { crossing, trouble } of snapshot.units ?? []) if (trouble) see(null, `Crossing unit ${crossing}`, { code: `unit ${crossing}`, text: trouble.charAt(0).toUpperCase() + trouble.slice(1) });
     for (const cause of platform_causes(snapshot)) see(null, 'Platform', cause);
     for (const part of snapshot.parts ?? []) {
       // A restart is an event; a part that keeps failing is a condition, above.

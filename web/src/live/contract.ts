@@ -357,6 +357,21 @@ export interface Registry {
   full: boolean;
 }
 
+/** A roadside unit at a crossing, and what it has received about its crossing. */
+export interface CrossingUnit {
+  crossing: string;
+  x: number;
+  y: number;
+  state: 'online' | 'unresponsive';
+  /** of its last message */
+  age_ms: number;
+  /** in the crossing, or about to enter it */
+  holders: readonly { id: string; age_ms: number }[];
+  waiting: readonly { id: string; age_ms: number }[];
+  /** what an operator should check; null: nothing */
+  trouble: string | null;
+}
+
 export interface Snapshot {
   time: string;
   /** server time, Unix milliseconds */
@@ -368,6 +383,8 @@ export interface Snapshot {
   virtualObjects: readonly VirtualObject[];
   obstacles: readonly DetectedObstacle[];
   crossings: readonly Crossing[];
+  /** absent from servers that observe no crossing units */
+  units?: readonly CrossingUnit[];
   /** absent if the server does not detect deadlocks */
   deadlocks?: Deadlocks;
   bijection: Bijection;

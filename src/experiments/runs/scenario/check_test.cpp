@@ -107,6 +107,12 @@ TEST(ScenarioCheck, radio_losses_belong_to_vehicles_with_a_radio_and_do_not_over
   expect_good(ten_seconds + at(5, "radio = { vehicle = \"*\", loss = 0 }"));
 }
 
+TEST(ScenarioCheck, crossing_units_belong_to_crossings_of_the_zone) {
+  expect_good("crossing_units = [\"all\"]\n" + at(0, R"(unit = { crossing = "X1", on = false })"));
+  expect_bad("crossing_units = [\"X9\"]\n", "1: crossing_units", "lacet4 has no crossing \"X9\"");
+  expect_bad(at(0, R"(unit = { crossing = "X11", on = false })"), "2: unit.crossing", "did you mean \"X1\"?");
+}
+
 TEST(ScenarioCheck, steps_after_the_end_are_refused) {
   expect_bad("duration_s = 10\n" + at(11, "remove = \"*\""), "3: t_s", "at 11 s the scenario is over");
   expect_good("duration_s = 10\n" + at(10, "remove = \"*\""));

@@ -23,6 +23,7 @@ constexpr std::size_t bytes_max = 1U << 20U;
 constexpr std::size_t entries_max = 10'000;
 constexpr std::size_t path_points_max = 64;
 constexpr std::int64_t aivs_max = 200;
+constexpr std::size_t units_max = 64;
 
 constexpr NumberRange time_s{"seconds since the fleet was complete, from 0 to 1000000", 0.0, 1e6};
 constexpr NumberRange duration_range_s{"seconds over 0, at most 1000000", 0.0, 1e6, false};
@@ -47,7 +48,8 @@ const std::vector<std::string_view> actions{"command",
                                             "switch",
                                             "radio",
                                             "priority",
-                                            "fault"};
+                                            "fault",
+                                            "unit"};
 const std::vector<std::string_view> vehicle_commands{"stop",   "slow",    "medium",  "fast",   "restart",
                                                      "cancel", "exclude", "include", "retire", "self-test"};
 const std::vector<std::string_view> module_faults{"stuck_sensor", "dead_motor", "failed_reader", "brown_out", "none"};
@@ -101,6 +103,24 @@ FaultStep fault_step(const Entry& fields, const std::string& vehicle) {
   return {json.take(), std::move(what)};
 }
 
+/// Likewise of the switch of a crossing unit.
+struct UnitStep {
+  std::string crossing;
+  std::string command;
+  std::string what;
+};
+UnitStep unit_step(const Entry& fields) {
+  fields.expect_only({"crossing", "on"});
+  std::string crossing = fields.text("crossing", 64);
+  if (!fields.has("on")) fields.fault("on", "scenario.field", "expected on = true or on = false");
+  const bool on = fields.flag("on", false);
+  JsonWriter json;
+  json.begin_object().field("command", "plant").key("plant").begin_object().key("setUnit").begin_object();
+  json.field("crossing", crossing).field("on", on).end_object().end_object().end_object();
+  std::string what = "the unit of crossing " + crossing + " is switched " + (on ? "on" : "off");
+  return {std::move(crossing), json.take(), std::move(what)};
+}
+
 /// Reads one file. Entries are read in time order, because `move` and `remove` refer to the objects present at their
 /// time.
 class Reader {
@@ -144,12 +164,13 @@ class Reader {
   };
 
   void read_head() {
-    root_.expect_only({"name", "description", "zone", "aivs", "seed", "duration_s", "at"});
+    root_.expect_only({"name", "description", "zone", "aivs", "seed", "duration_s", "crossing_units", "at"});
     scenario_.name = root_.text("name", 64);
     scenario_.description = root_.text("description", 2000, "");
     scenario_.zone = root_.text("zone", 1000, scenario_.zone);
     scenario_.aivs = static_cast<std::uint32_t>(root_.whole("aivs", 1, aivs_max, scenario_.aivs));
     scenario_.seed = static_cast<std::uint64_t>(root_.whole("seed", 0, INT64_MAX, 1));
+    if (root_.has("crossing_units")) scenario_.crossing_units = root_.texts("crossing_units", units_max);
     if (root_.has("duration_s")) scenario_.duration_s = root_.number("duration_s", duration_range_s);
   }
 
@@ -195,6 +216,12 @@ class Reader {
     if (action == "physical_obstacle") return read_physical_obstacle(*fields);
     if (action == "move") return read_move(*fields);
     if (action == "radio") return read_radio(*fields);
+    if (action == "unit") {
+      UnitStep step = unit_step(*fields);
+      auto& switched = scenario_.switched_units;
+      if (std::ranges::find(switched, step.crossing) == switched.end()) switched.push_back(step.crossing);
+      return plan(std::move(step.command), std::move(step.what), now_);
+    }
     if (action == "fault") {
       FaultStep step = fault_step(*fields, vehicle_id(*fields, "vehicle", fields->text("vehicle", 130)));
       return plan(std::move(step.command), std::move(step.what), now_);

@@ -20,6 +20,7 @@ struct Scenario {
   std::uint32_t aivs{4};
   std::uint64_t seed{1};
   std::optional<double> duration_s;
+  std::vector<std::string> crossing_units;  ///< crossings with a unit from the start on, or "all"
   struct Step {
     SimDuration at;       ///< since the fleet was complete
     std::string command;  ///< JSON for the server
@@ -27,6 +28,8 @@ struct Scenario {
     std::uint32_t line;   ///< in the file
     std::string zone{};   ///< of a step that switches: the name or file of the zone in force from here on
   };
+  /// Crossings whose unit a step adds, or switches off and on.
+  std::vector<std::string> switched_units;
   std::vector<Step> steps;  ///< in time order; equal times in the file's order
 };
 

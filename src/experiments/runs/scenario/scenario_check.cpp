@@ -36,6 +36,12 @@ struct VirtualObject {
 
 std::string at_seconds(SimDuration at) { return "at " + toml_number(to_seconds(at)) + " s"; }
 
+std::vector<std::string_view> crossing_names(const zone::TrafficZone& zone) {
+  std::vector<std::string_view> names;
+  for (const zone::Crossing& crossing : zone.crossings) names.push_back(crossing.name);
+  return names;
+}
+
 class Checker {
  public:
   Checker(const Scenario& scenario, const zone::TrafficZone& zone, const std::string& origin)
@@ -50,6 +56,10 @@ class Checker {
                   zone_->name + " has room for " + std::to_string(room) + " AIVs to start, not " +
                       std::to_string(scenario_.aivs));
     }
+    for (const std::string& crossing : scenario_.crossing_units)
+      if (const auto known = crossing_names(*zone_);
+          crossing != "all" && std::ranges::find(known, crossing) == known.end())
+        faults_.add("scenario.crossing", 1, "crossing_units", zone_->name + " has no crossing " + in_quotes(crossing));
     for (const Scenario::Step& step : scenario_.steps) {
       if (faults_.any()) break;
       step_ = &step;
@@ -322,6 +332,13 @@ class Checker {
       if (id.starts_with(std::string(wire::our_manufacturer) + "/AIV")) return evaluate_vehicle(id, "fault.vehicle");
       return fault("fault.vehicle", "scenario.fault",
                    "only vehicles of the emulated world have faults: AIV1 to AIV" + std::to_string(scenario_.aivs));
+    }
+    if (const JsonValue* unit = plant.find("setUnit")) {
+      const std::string crossing = unit->text("crossing").value_or("");
+      const std::vector<std::string_view> known = crossing_names(*zone_);
+      if (std::ranges::find(known, crossing) == known.end())
+        fault_name("unit.crossing", "scenario.crossing", "crossing", crossing, known);
+      return;
     }
     const JsonValue* added = plant.find("addObstacle");
     if (added == nullptr) return evaluate_remove(plant.text("removeObstacle").value_or(""), true);

@@ -116,6 +116,25 @@ TEST(Scenario, a_fault_with_a_wrong_field_names_it) {
   EXPECT_THAT(error(R"(kind = "dead_motor", sensor = 1)"), HasSubstr("this field belongs to stuck_sensor"));
 }
 
+TEST(Scenario, crossing_units_are_there_from_the_start_or_are_added_and_switched) {
+  const auto scenario =
+      read("crossing_units = [\"X1\"]\n" + at(3, R"(unit = { crossing = "X1", on = false })") +
+           at(8, R"(unit = { crossing = "X1", on = true })") + at(9, R"(unit = { crossing = "X2", on = true })"));
+  ASSERT_TRUE(scenario) << to_string(scenario.error());
+  EXPECT_THAT(scenario->crossing_units, ElementsAre("X1"));
+  EXPECT_THAT(scenario->switched_units, ElementsAre("X1", "X2"));
+  ASSERT_EQ(scenario->steps.size(), 3U);
+  EXPECT_EQ(scenario->steps[0].command, R"({"command":"plant","plant":{"setUnit":{"crossing":"X1","on":false}}})");
+  EXPECT_EQ(scenario->steps[0].what, "the unit of crossing X1 is switched off");
+  const auto error = [](const std::string& fields) {
+    const auto bad = read(at(0, "unit = { " + fields + " }"));
+    return bad ? std::string("none") : to_string(bad.error());
+  };
+  EXPECT_THAT(error(R"(crossing = "X1")"), HasSubstr("on = true or on = false"));
+  EXPECT_THAT(error(R"(on = true)"), HasSubstr("crossing"));
+  EXPECT_THAT(error(R"(crossing = "X1", on = 1)"), HasSubstr("on"));
+}
+
 TEST(Scenario, a_virtual_AIV_is_referred_to_by_its_id_anywhere_in_the_file) {
   EXPECT_THAT(commands(at(9, "command = \"fast\"\nvehicle = \"V1\"") + at(1, "virtual_aiv = { id = \"V1\" }")),
               ElementsAre(R"({"command":"add","virtualObject":{"id":"V1","kind":"aiv"}})",

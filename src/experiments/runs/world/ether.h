@@ -1,7 +1,9 @@
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,15 +17,20 @@
 
 namespace cosiva::experiments {
 
-/// The direct link between the vehicles of a world, which needs no broker: seeded faults, and its own random numbers.
+/// The direct link between the vehicles and crossing units of a world, which needs no broker: seeded faults, its own
+/// random numbers, and a reach.
 ///
 /// Invariant: each client of the network belongs to one participant.
 class Ether {
  public:
   using Participant = std::size_t;
 
+  /// Whether what one participant sends reaches another one now; empty: always.
+  using Reaches = std::function<bool(Participant from, Participant to)>;
+
   Ether(std::uint64_t seed, const std::optional<wire::NetworkFaults>& faults)
       : enabled_{faults.has_value()}, network_{seed ^ seed_of_its_own, faults.value_or(wire::NetworkFaults{})} {}
+  void limit(Reaches reaches) { reaches_ = std::move(reaches); }
 
   /// A process starts. @param loss  ratio of lost messages around the vehicle
   void join(SimTime now, Participant participant, double loss) {
@@ -45,8 +52,12 @@ class Ether {
     if (const auto client = client_of(participant)) network_.set_loss(*client, loss);
   }
   void broadcast(SimTime now, Participant from, const wire::VehicleId& id, const wire::SendBytes& send) {
-    if (const auto client = client_of(from))
-      network_.publish(now, *client, {wire::v2x_port_of(id, send.port), send.bytes, 0, false, send.typed});
+    const auto client = client_of(from);
+    if (!client) return;
+    // The topic begins with the participant whose antenna sends; a repeated message has its first sender's name.
+    const bool repeated = wire::v2x_source(send.port).has_value();
+    const std::string source = repeated ? send.port : wire::v2x_port_of(id, send.port);
+    network_.publish(now, *client, {std::to_string(from) + "/" + source, send.bytes, 0, false, send.typed});
   }
 
   [[nodiscard]] std::optional<SimTime> next_due() const { return network_.next_due(); }
@@ -55,7 +66,14 @@ class Ether {
   void deliver_due(SimTime now, Receive receive) {
     if (const auto due_at = network_.next_due(); !due_at || *due_at > now) return;
     network_.deliver_due(now, [&](wire::Network::Delivery& delivery) {
-      if (participants_[delivery.to] != left) receive(participants_[delivery.to], delivery);
+      const Participant to = participants_[delivery.to];
+      if (to == left) return;
+      Participant from = left;
+      const char* const end = delivery.topic.data() + delivery.topic.size();
+      const char* const slash = std::from_chars(delivery.topic.data(), end, from).ptr;
+      if (reaches_ && !reaches_(from, to)) return;
+      delivery.topic.erase(0, static_cast<std::size_t>(slash - delivery.topic.data()) + 1);
+      receive(to, delivery);
     });
   }
 
@@ -65,7 +83,7 @@ class Ether {
   [[nodiscard]] static std::vector<std::string> filters() {
     std::vector<std::string> all;
     all.reserve(wire::v2x_ports.size());
-    for (const std::string_view port : wire::v2x_ports) all.push_back(std::string(port) + "/#");
+    for (const std::string_view port : wire::v2x_ports) all.push_back("+/" + std::string(port) + "/#");
     return all;
   }
   [[nodiscard]] std::optional<wire::Network::ClientId> client_of(Participant participant) const {
@@ -76,6 +94,7 @@ class Ether {
 
   bool enabled_;
   wire::Network network_;
+  Reaches reaches_;
   std::vector<Participant> participants_;  ///< by client
 };
 

@@ -11,19 +11,19 @@
 
 namespace cosiva::experiments {
 
-/// A process of a world: 0 is the server, N is the on-board program of AIV N, the last number is the plant, and from
-/// first_other_server on there are the servers of other control areas.
+/// A process of a world: 0 is the server, N is the on-board program of AIV N, the last number is the plant, from
+/// first_unit on there are the crossing units, and from first_other_server on the servers of other control areas.
 using Process = std::uint32_t;
 inline constexpr Process server_process = 0;
+inline constexpr Process first_unit = 0xfffe'0000;
 inline constexpr Process first_other_server = 0xffff'0000;
 inline constexpr Process plant_process = 0xffff'ffff;
 
 [[nodiscard]] constexpr bool is_server(Process process) {
   return process == server_process || (process >= first_other_server && process != plant_process);
 }
-[[nodiscard]] constexpr bool is_aiv(Process process) {
-  return process != server_process && process < first_other_server;
-}
+[[nodiscard]] constexpr bool is_aiv(Process process) { return process != server_process && process < first_unit; }
+[[nodiscard]] constexpr bool is_unit(Process process) { return process >= first_unit && process < first_other_server; }
 
 /// Faults of the processes, connections, broker and clocks of a world, and what its processes receive and do.
 class FaultInjection {

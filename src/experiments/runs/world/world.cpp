@@ -1,5 +1,6 @@
 #include "cosiva/experiments/runs/world/world.h"
 
+#include <algorithm>
 #include <charconv>
 #include <deque>
 #include <queue>
@@ -13,6 +14,7 @@
 #include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/experiments/runs/world/fleet.h"
 #include "cosiva/physical/plant/plant_options.h"
+#include "cosiva/physical/roadside/crossing_unit.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/gvs.h"
@@ -73,6 +75,7 @@ struct ProcessClock {
 /// One core, with its network client and its timer.
 struct Actor {
   std::string name;
+  wire::VehicleId v2x_id;  ///< of a vehicle or a crossing unit: its name on the direct link
   std::unique_ptr<wire::Core> core;
   std::unique_ptr<wire::CoreRunner> runner;
   wire::Network::ClientId client{};
@@ -127,7 +130,43 @@ Result<std::unique_ptr<physical::PlantCore>> make_plant(const WorldOptions& opti
 
 }  // namespace
 
-/// Which actor is which process: the plant, the first server, the vehicles, and the servers of other control areas.
+namespace {
+
+struct MadeUnit {
+  std::unique_ptr<physical::CrossingUnit> core;
+  std::string configuration;
+};
+
+/// Fails as physical::CrossingUnit::make() does.
+Result<MadeUnit> make_unit(const WorldOptions& options, std::size_t i) {
+  physical::CrossingUnitOptions unit;
+  unit.rtm = options.rtm;
+  unit.crossing = options.units[i].crossing;
+  unit.direct = options.radio.has_value();
+  unit.emulated = true;
+  unit.off = options.units[i].off;
+  std::string configuration = physical::to_json(unit);
+  auto core = physical::CrossingUnit::make(std::move(unit));
+  if (!core) return tl::unexpected(core.error());
+  return MadeUnit{std::move(*core), std::move(configuration)};
+}
+
+/// The antennas of crossing units.
+Antennas antennas_of(const WorldOptions& options, std::size_t first_unit_id) {
+  Antennas antennas{*options.reach};
+  const auto& crossings = options.rtm->zone().crossings;
+  for (std::size_t i = 0; i < options.units.size(); ++i) {
+    const auto known = std::ranges::find(crossings, options.units[i].crossing, &zone::Crossing::name);
+    COSIVA_EXPECT(known != crossings.end());
+    antennas.position_at(first_unit_id + i, Antennas::Kind::unit, known->centre);
+  }
+  return antennas;
+}
+
+}  // namespace
+
+/// Which actor is which process: the plant, the first server, the vehicles, the servers of other control areas, and the
+/// crossing units.
 struct ActorTable {
   using ActorId = std::size_t;
   static constexpr ActorId plant_id = 0;
@@ -135,16 +174,23 @@ struct ActorTable {
   static constexpr ActorId first_aiv_id = 2;
 
   std::uint32_t aivs;
+  std::size_t others{};              ///< servers of other control areas
   std::vector<CoreStore*> stores{};  ///< of all servers that have one
 
   [[nodiscard]] ActorId first_other() const { return first_aiv_id + aivs; }
+  [[nodiscard]] ActorId first_unit_id() const { return first_other() + others; }
   [[nodiscard]] bool is_aiv(ActorId id) const { return id >= first_aiv_id && id < first_other(); }
-  [[nodiscard]] bool is_server(ActorId id) const { return id == server_id || id >= first_other(); }
+  [[nodiscard]] bool is_unit(ActorId id) const { return id >= first_unit_id(); }
+  [[nodiscard]] bool is_server(ActorId id) const {
+    return id == server_id || (id >= first_other() && id < first_unit_id());
+  }
   [[nodiscard]] Process process_of(ActorId id) const {
+    if (is_unit(id)) return static_cast<Process>(first_unit + id - first_unit_id());
     return static_cast<Process>(id < first_other() ? id - server_id : first_other_server + id - first_other());
   }
   [[nodiscard]] ActorId actor_of(Process process) const {
     if (process == plant_process) return plant_id;
+    if (experiments::is_unit(process)) return first_unit_id() + process - first_unit;
     return process < first_other_server ? server_id + process : first_other() + process - first_other_server;
   }
 };
@@ -290,8 +336,8 @@ struct World::Impl {
         if (id == plant_id || !watched.passes || watched.passes(table.process_of(id), *publish))
           publish_from(actor, now, network, *publish);
       } else if (const auto* send = std::get_if<wire::SendBytes>(&effect)) {
-        if (wire::v2x_port_number(send->port))
-          streams.ether.broadcast(now, id, {std::string(wire::our_manufacturer), actor.name}, *send);
+        if (wire::v2x_port_number(send->port) || wire::v2x_source(send->port))
+          streams.ether.broadcast(now, id, actors[id].v2x_id, *send);
         else
           send_bytes(id, *send);
       } else if (const auto* listen = std::get_if<wire::Listen>(&effect)) {
@@ -310,9 +356,9 @@ struct World::Impl {
   void change_ether(const std::string& json) {
     const auto radio = wire::radio_from_json(json);
     if (!radio) return;
-    for (ActorId id = first_aiv_id; id < table.first_other(); ++id) {
+    for (ActorId id = first_aiv_id; id < actors.size(); ++id) {
       Actor& actor = actors[id];
-      if (radio->vehicle != "*" && radio->vehicle != std::string(wire::our_manufacturer) + "/" + actor.name) continue;
+      if (radio->vehicle == "*" ? !table.is_aiv(id) : radio->vehicle != wire::to_string(actor.v2x_id)) continue;
       actor.radio_loss = radio->loss;
       if (actor.linked) network.set_loss(actor.client, radio->loss);
       streams.ether.set_loss(id, radio->loss);
@@ -344,7 +390,7 @@ struct World::Impl {
     if (left.persisted) feed(id, wire::InputKind::restore, "state", std::move(*left.persisted));
     for (wire::Input& command : left.accepted) actor.earlier_commands.emplace_back(std::move(command.payload), nullptr);
     give_earlier_commands(id);
-    if (table.is_aiv(id)) streams.ether.join(now, id, actor.radio_loss);
+    if (table.is_aiv(id) || table.is_unit(id)) streams.ether.join(now, id, actor.radio_loss);
     ticks.push({first_tick(actor, now, options.cycle.has_value()), sequence++, id, actor.generation});
     link(id);
   }
@@ -582,6 +628,7 @@ class World::Impl::Faults final : public FaultInjection {
 
  private:
   void start_plant();
+  void start_unit(Process process);
   [[nodiscard]] ActorId actor_of(Process process) const { return world_.table.actor_of(process); }
   [[nodiscard]] Actor& actor(Process process) const {
     COSIVA_EXPECT(actor_of(process) < world_.actors.size());
@@ -598,6 +645,7 @@ void World::Impl::Faults::start(Process process) {
   COSIVA_EXPECT(!running(process));
   if (process == plant_process) return start_plant();
   if (is_aiv(process)) return world_.start_aiv(process, false);
+  if (is_unit(process)) return start_unit(process);
   world_.start_server(actor_of(process));
 }
 
@@ -608,6 +656,12 @@ void World::Impl::Faults::start_plant() {
   world_.start(plant_id, std::move(*plant), "plant", std::move(configuration));
   for (Process aiv = 1; aiv <= world_.options.aivs; ++aiv)
     if (running(aiv)) set_boards(aiv, true);
+}
+
+void World::Impl::Faults::start_unit(Process process) {
+  auto unit = make_unit(world_.options, process - first_unit);
+  COSIVA_EXPECT(unit);  // World::make has checked the crossings
+  world_.start(actor_of(process), std::move(unit->core), "unit", std::move(unit->configuration));
 }
 
 void World::Impl::Faults::command(Process process, std::string json, std::function<void(const Result<void>&)> decided) {
@@ -637,15 +691,27 @@ void World::Impl::Faults::command(Process process, std::string json, std::functi
 World::Impl::Impl(WorldOptions o)
     : options{std::move(o)},
       network{options.seed, options.network},
-      table{options.aivs},
+      table{options.aivs, options.other_servers.size()},
       streams{.bytes = {}, .texts = {}, .ether = {options.seed, options.radio}},
-      faults{std::make_unique<Faults>(*this)} {}
+      faults{std::make_unique<Faults>(*this)} {
+  if (!options.reach) return;
+  streams.ether.limit(
+      [this, antennas = antennas_of(options, table.first_unit_id()), at = SimTime{}](ActorId from, ActorId to) mutable {
+        // All that is due at one moment is delivered at the same positions.
+        if (std::exchange(at, now) != now) {
+          const auto& plant = static_cast<const physical::PlantCore&>(*actors[plant_id].core);
+          for (const physical::TrueVehicle& vehicle : plant.vehicles())
+            antennas.position_at(first_aiv_id + vehicle.number - 1, Antennas::Kind::vehicle, position(vehicle.X_MB));
+        }
+        return antennas.reach(from, to);
+      });
+}
 
 const FaultInjection::Observer& World::Impl::observer() const { return faults->observer(); }
 bool World::Impl::broker_running() const { return faults->broker_running(); }
 
 void World::Impl::name_actors() {
-  actors.resize(table.first_other() + options.other_servers.size());
+  actors.resize(table.first_unit_id() + options.units.size());
   actors[plant_id].name = "plant";
   Actor& server = actors[server_id];
   server.name = "server";
@@ -654,6 +720,7 @@ void World::Impl::name_actors() {
   for (std::uint32_t number = 1; number <= options.aivs; ++number) {
     Actor& actor = actors[first_aiv_id + number - 1];
     actor.name = "AIV" + std::to_string(number);
+    actor.v2x_id = {std::string(wire::our_manufacturer), actor.name};
     // Vehicles are switched on one after another; their timers are never in phase.
     actor.tick_offset = microseconds{1300} * number % milliseconds{20};
     if (options.cycle) actor.tick_offset = vehicles_after + microseconds{130} * number % vehicles_within;
@@ -663,6 +730,12 @@ void World::Impl::name_actors() {
     other.name = "server " + options.other_servers[i].options.area;
     other.tick_offset = server.tick_offset;
     other.store = options.other_servers[i].store;
+  }
+  for (std::size_t i = 0; i < options.units.size(); ++i) {
+    Actor& unit = actors[table.first_unit_id() + i];
+    unit.name = "unit " + options.units[i].crossing;
+    unit.v2x_id = {std::string(wire::unit_manufacturer), options.units[i].crossing};
+    unit.tick_offset = microseconds{700} * static_cast<int>(i + 1) % milliseconds{100};
   }
   for (const Actor& actor : actors)
     if (actor.store) table.stores.push_back(actor.store.get());
@@ -682,6 +755,8 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   if (options.cycle && (*options.cycle < cycle_min || *options.cycle > cycle_max))
     return fail("world.cycle",
                 "the common cycle must be from 20 to 100 ms, not " + std::to_string(to_seconds(*options.cycle)) + " s");
+  for (std::size_t i = 0; i < options.units.size(); ++i)
+    if (const auto unit = make_unit(options, i); !unit) return tl::unexpected(unit.error());
   auto plant = make_plant(options);
   if (!plant) return tl::unexpected(plant.error());
 
@@ -703,6 +778,8 @@ Result<std::unique_ptr<World>> World::make(WorldOptions options) {
   for (std::size_t i = 0; i < inside.options.other_servers.size(); ++i)
     inside.start_server(inside.table.first_other() + i);
   for (std::uint32_t number = 1; number <= inside.options.aivs; ++number) inside.start_aiv(number, true);
+  for (std::size_t i = 0; i < inside.options.units.size(); ++i)
+    inside.faults->start(static_cast<Process>(first_unit + i));
   inside.faults->connect_unknown_sender();
   return world;
 }

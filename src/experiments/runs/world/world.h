@@ -12,6 +12,7 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/result.h"
 #include "cosiva/experiments/runs/scenario/scenario.h"
+#include "cosiva/experiments/runs/world/antennas.h"
 #include "cosiva/experiments/runs/world/core_store.h"
 #include "cosiva/experiments/runs/world/fault_injection.h"
 #include "cosiva/physical/plant/plant_core.h"
@@ -28,6 +29,12 @@ struct OtherServer {
   std::shared_ptr<CoreStore> store{};  ///< as WorldOptions::server_store
 };
 
+/// A crossing unit of a world.
+struct WorldUnit {
+  std::string crossing;  ///< "X1"
+  bool off{false};       ///< it begins switched off
+};
+
 struct WorldOptions {
   zone::ZoneConfiguration zone;
   std::uint32_t aivs{4};
@@ -39,6 +46,9 @@ struct WorldOptions {
   std::vector<physical::VehicleEquipment> equipment{};  ///< as PlantOptions::equipment
   /// Physical AIVs have a direct link to each other, with these faults and its own random numbers; nothing: none.
   std::optional<wire::NetworkFaults> radio{};
+  std::optional<RadioReach> reach{};  ///< of the direct link; nothing: the whole zone
+  /// Processes first_unit, first_unit + 1, …
+  std::vector<WorldUnit> units{};
   /// What is special about the options of a physical AIV; empty: nothing.
   std::function<void(aiv::OnboardOptions&)> adapt_aiv{};
   virtual_side::ServerOptions server;

@@ -112,6 +112,7 @@ std::vector<std::string> BrokerSession::subscriptions() const {
                                    hosted + "instantActions"};
   std::ranges::move(BatteryTestRelay::subscriptions(), std::back_inserter(filters));
   std::ranges::move(GroundTruthComparator::subscriptions(), std::back_inserter(filters));
+  std::ranges::move(CrossingUnits::subscriptions(), std::back_inserter(filters));
   if (!context_.areas.several()) return filters;
   // The server's own zone is received with the zones of the other areas.
   std::erase(filters, wire::topics_below(wire::zone_topic_prefix, 1));

@@ -226,8 +226,8 @@ TEST(BrokerSession, of_a_control_area_subscribes_to_the_other_areas_and_to_the_o
                   "cosiva/v1/virtual_obstacles_ack/+/+", "cosiva/v1/detected_obstacle/+/+", "cosiva/v1/boards/+/+",
                   "cosiva/v1/v2x/+/+/+/+", "uagv/v2/CoSiVA.virtual/+/order", "uagv/v2/CoSiVA.virtual/+/instantActions",
                   "cosiva/v1/battery/change/+/+", "cosiva/v1/battery/test", "cosiva/v1/gvs/detections",
-                  "cosiva/v1/gvs/connection", "cosiva/v1/reference/poses", "cosiva/v1/area/+/zone/+",
-                  "cosiva/v1/area/+/server/connection", "cosiva/v1/owner/+/+"));
+                  "cosiva/v1/gvs/connection", "cosiva/v1/reference/poses", "cosiva/v1/unit/+/+",
+                  "cosiva/v1/area/+/zone/+", "cosiva/v1/area/+/server/connection", "cosiva/v1/owner/+/+"));
 }
 
 TEST(BrokerSession, of_a_control_area_restores_no_virtual_aivs) {

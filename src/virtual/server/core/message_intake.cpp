@@ -13,6 +13,7 @@ void MessageIntake::receive(const wire::Input& input) {
   if (input.source.starts_with(wire::v2x_topic_prefix)) return v2x_.receive(input);
   if (BatteryTestRelay::handles(input.source)) return on_battery(input);
   if (GroundTruthComparator::handles(input.source)) return on_gvs(input);
+  if (CrossingUnits::handles(input.source)) return on_unit(input);
   if (ownership_.receive(input)) return;
   if (!augmented_.hosted.empty() && augmented_.hosted.from_broker(context_.now, input)) return;
   const std::size_t vehicles = context_.registry.size();
@@ -35,6 +36,11 @@ void MessageIntake::on_gvs(const wire::Input& input) {
   if (!news) return refuse_unknown_sender(context_, input.source, to_string(news.error()));
   if (news->empty()) return context_.agents.gvs.deliver_untraced();
   context_.agents.gvs.deliver(context_.traces, context_.now, {"gvs", *news, input.source, input.payload});
+}
+
+void MessageIntake::on_unit(const wire::Input& input) {
+  if (const auto taken = instruments_.units.on_message(context_.now, input); !taken)
+    refuse_unknown_sender(context_, input.source, to_string(taken.error()));
 }
 
 void MessageIntake::on_zone(const wire::Input& input) {

@@ -30,6 +30,7 @@ class MessageIntake {
  private:
   void on_battery(const wire::Input& input);
   void on_gvs(const wire::Input& input);
+  void on_unit(const wire::Input& input);
   void on_zone(const wire::Input& input);
 
   ServerContext& context_;

@@ -46,6 +46,7 @@ namespace cosiva::virtual_side {
 /// - to the emulated world: {"command":"plant","plant":{"addObstacle":{…}}|{"removeObstacle":"id"}},
 ///   {"command":"radio","vehicle":"CoSiVA/AIV2"|"*","loss":0.3}
 ///   {"command":"plant","plant":{"setFault":{"vehicle":"CoSiVA/AIV2","fault":"dead_motor","for_s":5}}}
+///   {"command":"plant","plant":{"setUnit":{"crossing":"X1","on":false}}}: an emulated crossing unit
 /// - to a battery test: {"command":"batteryReady","vehicle","battery",…} (BatteryTestRelay::ready)
 class ServerCore final : public wire::Core {
  public:

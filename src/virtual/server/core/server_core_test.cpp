@@ -66,7 +66,7 @@ TEST(ServerCore, subscribes_to_the_topics_of_vehicles_under_its_interface_and_to
                           "cosiva/v1/detected_obstacle/+/+", "cosiva/v1/boards/+/+", "cosiva/v1/v2x/+/+/+/+",
                           "plant7/v2/CoSiVA.virtual/+/order", "plant7/v2/CoSiVA.virtual/+/instantActions",
                           "cosiva/v1/battery/change/+/+", "cosiva/v1/battery/test", "cosiva/v1/gvs/detections",
-                          "cosiva/v1/gvs/connection", "cosiva/v1/reference/poses"));
+                          "cosiva/v1/gvs/connection", "cosiva/v1/reference/poses", "cosiva/v1/unit/+/+"));
 }
 
 TEST(ServerCore, builds_the_zone_in_the_article_s_order_and_shows_each_step) {

@@ -145,6 +145,8 @@ std::string ServerView::snapshot_json() const {
   write_commands(json);
   instruments_.batteries.write(json.key("battery"));
   instruments_.gvs.write(json.key("gvs"));
+  instruments_.units.write(json.key("units"), context_.now,
+                           zones_.map() ? std::string_view{zones_.map()->zone().name} : std::string_view{});
   json.end_object();
   return json.take();
 }
@@ -199,6 +201,7 @@ ServerCore::PageRevision ServerView::page_revision() const {
   for (const VirtualObject& virtual_object : context_.simulator.augmented().virtual_objects())
     add(waited_for, virtual_object.handle, virtual_object.started.time_since_epoch().count());
   for (const DetectedObstacle& detected : context_.simulator.detected().obstacles()) add(waited_for, detected.handle);
+  instruments_.units.fold(waited_for, context_.now);
   for (VehicleIndex v = 0; v < context_.registry.size(); ++v) add_vehicle(v, waited_for, events);
   return {waited_for.value(), events.value()};
 }

@@ -107,7 +107,7 @@ TEST(ServerView, has_these_members_in_this_order) {
   EXPECT_THAT(
       members(fixture.snapshot()),
       testing::ElementsAre("time", "time_ms", "zoneRevision", "zoneEdits", "registry", "zone", "aivs", "virtualObjects",
-                           "obstacles", "crossings", "deadlocks", "bijection", "commands", "battery", "gvs"));
+                           "obstacles", "crossings", "deadlocks", "bijection", "commands", "battery", "gvs", "units"));
   EXPECT_EQ(fixture.snapshot().text("time"), "2023-07-11T00:00:00.000Z");
   EXPECT_EQ(fixture.snapshot().number("time_ms"), to_milliseconds_scaled(virtual_epoch));
   EXPECT_EQ(fixture.snapshot().number("zoneRevision"), 1.0);

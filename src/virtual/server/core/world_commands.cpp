@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cosiva/base/json_writer.h"
+#include "cosiva/wire/own/crossing_status.h"
 
 namespace cosiva::virtual_side {
 namespace {
@@ -86,12 +87,22 @@ Result<std::string> plant_json(const PlantCommand& command, const AugmentedParts
   return json.take();
 }
 
+/// The message to the emulated crossing units.
+Result<wire::Publish> unit_switch(const PlantCommand::Unit& unit, const zone::TrafficZone& zone) {
+  if (std::ranges::find(zone.crossings, unit.crossing, &zone::Crossing::name) == zone.crossings.end())
+    return fail("plant.unit", "the zone has no crossing '" + unit.crossing.substr(0, 80) + "'", "crossing");
+  if (!unit.on) return fail("plant.unit", "give \"on\": true or false", "on");
+  return wire::Publish{std::string(wire::plant_unit_topic), wire::to_json(wire::UnitSwitch{unit.crossing, *unit.on}), 1,
+                       false};
+}
+
 }  // namespace
 
 Result<wire::Publish> read_world_command(const PlantCommand& command, const ServerContext& context,
                                          const AugmentedParts& augmented) {
   if (!context.simulator.zone())
     return fail("plant.zone", "there is no zone yet; wait until the physical side has sent it, then try again");
+  if (command.act == PlantCommand::Act::unit) return unit_switch(command.unit, *context.simulator.zone());
   auto json = command.act == PlantCommand::Act::fault
                   ? fault_json(command.fault, context)
                   : plant_json(command, augmented,

@@ -97,6 +97,17 @@ TEST_F(World, fault_is_sent_with_the_number_of_its_vehicle) {
               HasSubstr("for_s: give a number"));
 }
 
+TEST(WorldCommands, switch_the_unit_of_a_crossing_of_the_zone) {
+  ServerFixture fixture{zone_file("lacet4.toml")};
+  const auto unit = [](const std::string& rest) { return R"({"command":"plant","plant":{"setUnit":{)" + rest + "}}}"; };
+  fixture.send_command(unit(R"("crossing":"X1","on":false)"));
+  const auto sent = fixture.published_on(wire::plant_unit_topic);
+  ASSERT_THAT(sent, SizeIs(1));
+  EXPECT_EQ(sent[0].payload, R"({"crossing":"X1","on":false})");
+  EXPECT_THAT(fixture.refusal(unit(R"("crossing":"X99","on":true)")), HasSubstr("no crossing 'X99'"));
+  EXPECT_THAT(fixture.refusal(unit(R"("crossing":"X1")")), HasSubstr("true or false"));
+}
+
 TEST(WorldCommands, are_refused_while_there_is_no_zone) {
   const ServerCore server{ServerOptions{}};
   const auto checked = server.check_command(DecodedCommand{R"({"command":"plant","plant":{"removeObstacle":"box"}})"});

@@ -185,6 +185,11 @@ Decoded plant_command(const JsonValue& json) {
                      number_of(*fault, "sensor"),         number_of(*fault, "reading"),      text_of(*fault, "motor")};
     return command;
   }
+  if (const JsonValue* unit = plant->find("setUnit")) {
+    command.act = PlantCommand::Act::unit;
+    command.unit = {unit->text("crossing").value_or(""), unit->flag("on")};
+    return command;
+  }
   const JsonValue* added = plant->find("addObstacle");
   if (added == nullptr || added->object() == nullptr) return command;
   command.act = PlantCommand::Act::add;

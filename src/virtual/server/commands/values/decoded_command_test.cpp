@@ -280,6 +280,11 @@ TEST(DecodedCommand, reads_commands_to_the_emulated_world) {
   EXPECT_FALSE(decoded<PlantCommand>(R"({"command":"plant","plant":{"removeObstacle":7}})").id.has_value());
   EXPECT_EQ(decoded<PlantCommand>(R"({"command":"plant","plant":{"addObstacle":7}})").act, Act::none);
   EXPECT_EQ(decoded<PlantCommand>(R"({"command":"plant","plant":{}})").act, Act::none);
+  const auto unit = decoded<PlantCommand>(R"({"command":"plant","plant":{"setUnit":{"crossing":"X1","on":false}}})");
+  EXPECT_EQ(unit.act, Act::unit);
+  EXPECT_EQ(unit.unit.crossing, "X1");
+  EXPECT_EQ(unit.unit.on, false);
+  EXPECT_FALSE(decoded<PlantCommand>(R"({"command":"plant","plant":{"setUnit":{}}})").unit.on.has_value());
   const auto radio = decoded<RadioCommand>(R"({"command":"radio","vehicle":"*","loss":0.25})");
   EXPECT_EQ(radio.vehicle, "*");
   EXPECT_EQ(radio.loss_ratio, 0.25);

@@ -107,7 +107,7 @@ struct SwitchCommand {
 
 /// To the emulated world: adds or removes an obstacle, or injects a fault of a vehicle's modules.
 struct PlantCommand {
-  enum class Act : std::uint8_t { none, add, remove, fault };
+  enum class Act : std::uint8_t { none, add, remove, fault, unit };
   Act act{Act::none};
   std::optional<std::string> id;
   OptionalNumber x_m;
@@ -122,6 +122,12 @@ struct PlantCommand {
     std::optional<std::string> motor;
   };
   Fault fault{};
+  /// Of a crossing unit.
+  struct Unit {
+    std::string crossing;
+    std::optional<bool> on;
+  };
+  Unit unit{};
 };
 
 /// To the emulated world: a ratio of messages of a vehicle, or of all ("*"), is lost.
