@@ -222,6 +222,23 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
     await nothing_left();
   });
 
+  await t.test('the self-test of a stopped AIV by mouse, with the result of every part; the messages through the proxies on board', async () => {
+    await page.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
+    await ground_truth.stands(2, 5_000);
+    await page.getByRole('button', { name: /^Boards/ }).first().click();
+    const boards = page.locator('section').filter({ has: page.getByTestId('self-test') }).filter({ has: page.getByRole('button', { name: 'AIV2' }) });
+    await boards.getByTestId('self-test').click();
+    const result = await eventually('the parts are tested', async () => {
+      const text = await boards.locator('[data-self-test]').textContent({ timeout: 1_000 }).catch(() => '');
+      return /PILS: .*DEMS passed/.test(text) && text;
+    }, { within_ms: 10_000 });
+    for (const board of ['PILS', 'PRAV', 'DOBS', 'RALI']) assert.match(result, new RegExp(`${board}: [^·]*passed`));
+    assert.match(await boards.locator('[data-proxies]').textContent(), /AIV_Server [1-9]\d* ↑ [1-9]\d* ↓ · AIV1 \d+ ↑ [1-9]\d* ↓/);
+    const { proxy, proxies } = await platform.aiv(2);
+    const since = proxy.delivered - proxies[0].sent;
+    assert.ok(since >= 0 && since < 60, `the vehicle has sent ${proxies[0].sent} messages up to its last report, the server received ${proxy.delivered}`);
+  });
+
   assert.deepEqual([...page.script_errors, ...keys.script_errors], []);
   ground_truth.assert_no_collision();
 });

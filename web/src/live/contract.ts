@@ -138,6 +138,8 @@ export interface BoardHealth {
   framesBad: number;
   framesMissed: number;
   selfTest: number;
+  /** findings of the self-test that was requested last, by part; absent before one */
+  parts?: Readonly<Record<string, string>>;
   /** what the self-test code means; absent without a fault */
   fault?: string;
 }
@@ -259,7 +261,7 @@ export const default_limits: ContractLimits = {
   actual_p99_m: 0.05,
 };
 
-export type CommandName = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel' | 'exclude' | 'include' | 'retire';
+export type CommandName = 'stop' | 'slow' | 'medium' | 'fast' | 'restart' | 'cancel' | 'exclude' | 'include' | 'retire' | 'self-test';
 export type CommandState = 'issued' | 'accepted' | 'materialised' | 'failed';
 
 export interface Command {
