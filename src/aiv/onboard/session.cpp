@@ -32,6 +32,8 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
       .virtual_obstacles = wire::own_topic(wire::virtual_obstacles_topic_prefix, id),
       .owner = wire::own_topic(wire::owner_topic_prefix, id),
       .estimate_request = wire::own_topic(wire::estimate_request_topic_prefix, id),
+      .battery_change = wire::own_topic(wire::battery_change_topic_prefix, id),
+      .battery_fitted = wire::own_topic(wire::battery_fitted_topic_prefix, id),
       .link_check = wire::own_topic(wire::link_check_topic_prefix, id),
       .connection = wire::vda_topic(id, "connection", interface_name),
       .state = wire::vda_topic(id, "state", interface_name),
@@ -41,6 +43,7 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
       .estimate_response = wire::own_topic(wire::estimate_response_topic_prefix, id),
       .detected_obstacle = wire::own_topic(wire::detected_obstacle_topic_prefix, id),
       .boards = wire::own_topic(wire::boards_topic_prefix, id),
+      .battery_ready = wire::own_topic(wire::battery_ready_topic_prefix, id),
   };
 }
 
@@ -109,6 +112,10 @@ void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effec
   check.header_id = next_.link_check++;
   check.timestamp = now;
   effects.emplace_back(wire::Publish{topics_.link_check, to_json(check), 0, false});
+}
+
+void Session::publish(const wire::BatteryReady& ready, wire::Effects& effects) const {
+  if (online_) effects.emplace_back(wire::Publish{topics_.battery_ready, to_json(ready), 1, false});
 }
 
 void Session::publish_estimate(std::string&& json, wire::Effects& effects) const {
@@ -184,6 +191,8 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
       instant(action::self_test, "tests every board and its parts; only at standstill"),
       instant(action::join_line, "joins the path at a pose that lies along it; for an off-path vehicle",
               {number("x"), number("y"), number("theta")}),
+      instant(action::move, "drives this far along the order and stops there, up to 10 m; 0 ends the limit",
+              {number("distance")}),
       instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",
               {number("distance")}),
   };

@@ -9,6 +9,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/own/v2x.h"
@@ -25,6 +26,8 @@ struct SessionTopics {
   std::string virtual_obstacles;
   std::string owner;
   std::string estimate_request;
+  std::string battery_change;
+  std::string battery_fitted;
   std::string link_check;  ///< published, too
   // Published.
   std::string connection;
@@ -35,6 +38,7 @@ struct SessionTopics {
   std::string estimate_response;
   std::string detected_obstacle;
   std::string boards;
+  std::string battery_ready;
 };
 
 /// The vehicle's end of VDA 5050: topics, headers counted per topic, retained flags and quality of service (§6.2, §6.4,
@@ -61,6 +65,7 @@ class Session {
   void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
   void publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects);
+  void publish(const wire::BatteryReady& ready, wire::Effects& effects) const;  ///< with QoS 1: a test waits for it
   /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
   void publish_estimate(std::string&& json, wire::Effects& effects) const;
   /// To vehicles near this cell of the intent's map, and to all in reach where the vehicle has a direct link.
