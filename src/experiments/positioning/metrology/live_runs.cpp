@@ -141,6 +141,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   slot.sequence = 0;
   slot.waiting = false;
   slot.received = slot.moved = now;
+  if (!slot.ground_truth_received) slot.ground_truth_received = now;  // waited for from now on
   // AIV.move: a stopped vehicle drives on, at the requested speed.
   responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
   if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
@@ -182,9 +183,7 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
   if (now - slot.received > options_.timeout)
     return "no response for " + seconds + "; the vehicle may be offline, or of another version";
-  const SimTime begins = *began_ + source_found_after;
-  const SimTime ground_truth = std::max(slot.ground_truth_received.value_or(begins), begins);
-  if (now - ground_truth > options_.timeout)
+  if (now - slot.ground_truth_received.value_or(slot.received) > options_.timeout)
     return "no actual position of the vehicle on " + source_.topic() + " for " + seconds;
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "the vehicle drives in zone '" + map_id_ + "', which no program publishes";

@@ -69,10 +69,10 @@ class LiveRuns final : public PlatformTest {
   struct Slot {
     wire::VehicleId vehicle;
     bool lost{false};
-    std::vector<TrueFix> ground_truth;  ///< since its run began
-    std::optional<SimTime> ground_truth_received;
-    std::optional<RunLog> run;  ///< none: the vehicle waits for a run
-    std::size_t index{};        ///< of the run
+    std::vector<TrueFix> ground_truth;             ///< since its run began
+    std::optional<SimTime> ground_truth_received;  ///< or its run began, where there is none yet
+    std::optional<RunLog> run;                     ///< none: the vehicle waits for a run
+    std::size_t index{};                           ///< of the run
     std::string session;
     std::uint32_t sequence{};
     bool waiting{false};  ///< for the response
