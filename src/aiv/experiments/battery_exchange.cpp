@@ -1,5 +1,6 @@
 #include "cosiva/aiv/experiments/battery_exchange.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "cosiva/base/expect.h"
@@ -49,13 +50,16 @@ std::optional<wire::BatteryReady> BatteryExchange::take_ready(SimTime now, bool 
   const bool full_on_board = full_for_long(now, measured);
   if (!fitted_ && (requested_->by_hand || !full_on_board)) return std::nullopt;
   // The vehicle cannot read a battery's name, type or age: without a person it responds with the requested name.
+  const bool by_person = fitted_.has_value();
   wire::BatteryReady ready =
-      fitted_ ? *std::exchange(fitted_, std::nullopt) : wire::BatteryReady{requested_->change.battery, "unknown"};
+      by_person ? *std::exchange(fitted_, std::nullopt) : wire::BatteryReady{requested_->change.battery, "unknown"};
   COSIVA_EXPECT(!fitted_);
   requested_.reset();
   if (measured == nullptr) return ready;
   ready.temperature_c = 0.1 * measured->temperature_01C;
-  ready.charge_percent = 100.0 * measured->charge();
+  const double measured_percent = 100.0 * measured->charge();
+  // A person may know of a battery that it is not full; a person's word does not make it fuller than RALI reads.
+  ready.charge_percent = by_person ? std::min(ready.charge_percent, measured_percent) : measured_percent;
   return ready;
 }
 

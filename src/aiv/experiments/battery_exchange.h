@@ -15,7 +15,7 @@ namespace cosiva::aiv {
 /// The rule: a person or a machine exchanges the battery. Where a person does (`byHand`), the vehicle responds when
 /// that person confirms the battery. Elsewhere it responds when its RALI has read a full battery for two seconds since
 /// the request, while the vehicle was stopped: an exchange that the request has caused is over by then. Temperature and
-/// charge are RALI's; only a vehicle without RALI repeats what the person has stated.
+/// charge are RALI's, the charge at most that which the person has stated; a vehicle without RALI repeats the person.
 ///
 /// The state is in no snapshot: the request is retained by the broker and arrives again.
 ///

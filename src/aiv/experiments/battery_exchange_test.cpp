@@ -85,6 +85,16 @@ TEST(BatteryExchange, waits_for_the_person_who_fits_the_battery_and_adds_what_ra
   EXPECT_EQ(responses[0].second, (wire::BatteryReady{"red-7", "leaf33", 3.0, 3600.0, 21.5, 80.0}));
 }
 
+TEST(BatteryExchange, takes_the_word_of_a_person_that_a_battery_is_not_full) {
+  Vehicle vehicle;
+  vehicle.request(true);
+  vehicle.run_for(seconds{2});
+  vehicle.confirm(80.0);
+  const auto responses = vehicle.run_for(seconds{2});
+  ASSERT_EQ(responses.size(), 1U);
+  EXPECT_EQ(responses[0].second.charge_percent, 80.0);
+}
+
 TEST(BatteryExchange, without_rali_repeats_what_the_person_has_stated) {
   Vehicle vehicle;
   vehicle.charge.reset();
