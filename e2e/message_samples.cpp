@@ -1,5 +1,5 @@
-// Messages that a plain run in virtual time does not contain: qualification of algorithms, battery test, a server that
-// restarts, a server among several, camera over the zone.
+// Messages that a plain run in virtual time does not contain: qualification of algorithms, move by move too, battery
+// test, a server that restarts, a server among several, camera over the zone.
 //
 //   message_samples ZONE.toml OUT.jsonl
 //
@@ -16,14 +16,17 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/app/gvs/actual_positions.h"
 #include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/platform/trace_writer.h"
 #include "cosiva/battery/type.h"
 #include "cosiva/experiments/battery/live_rig.h"
 #include "cosiva/experiments/positioning/metrology/live_runs.h"
+#include "cosiva/experiments/positioning/moves/predict_then_move.h"
 #include "cosiva/experiments/runs/world/world.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/actual_position.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/own/link_check.h"
@@ -135,6 +138,36 @@ bool qualification(app::TraceWriter& trace, const zone::ZoneConfiguration& zone)
   return runs.done() && runs.losses().empty();
 }
 
+/// One vehicle makes three moves, each between its estimate and the actual position from the plant.
+bool moves(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  experiments::PredictThenMoveOptions options;
+  options.vehicles = vehicles(1);
+  options.distance_m = 0.3;
+  options.algorithms = {"arc_kalman"};
+  options.name = "moves";
+  experiments::PredictThenMove test{options};
+  Run run{trace,
+          world_of(zone, 1),
+          {wire::plant_position_request_topic_prefix, wire::plant_position_response_topic_prefix}};
+  const auto rtm = zone::Rtm::initialise(zone);
+  if (!run.made() || !rtm) return false;
+  test.on_zone(rtm->shared_zone());
+  const auto filters = test.subscriptions();
+  std::vector<wire::Publish> received;
+  run.listener = [&](SimTime, const wire::Publish& message) {
+    if (any_matches(filters, message.topic)) received.push_back(message);
+  };
+  run.world().run_for(3s);
+  const SimTime end = run.world().now() + 30s;
+  while (!test.done() && run.world().now() < end) {
+    run.obey("qualification", test.tick(run.world().now()));
+    run.world().run_for(step);
+    for (const wire::Publish& message : std::exchange(received, {}))
+      test.on_message(run.world().now(), message.topic, message.payload);
+  }
+  return test.done() && test.losses().empty();
+}
+
 /// Two vehicles get emulated batteries and run for a few seconds.
 bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   const auto type = battery::shipped_type("leaf33");
@@ -149,7 +182,8 @@ bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) 
   experiments::LiveRig rig{options};
   Run run{trace,
           world_of(zone, 2),
-          {wire::battery_change_topic_prefix, wire::battery_ready_topic_prefix, wire::battery_test_topic}};
+          {wire::battery_change_topic_prefix, wire::battery_fitted_topic_prefix, wire::battery_ready_topic_prefix,
+           wire::battery_test_topic}};
   if (!run.made()) return false;
   const auto filters = experiments::LiveRig::subscriptions();
   std::vector<wire::Publish> received;  // handled after the step: a tap does not act on the world that it observes
@@ -166,6 +200,9 @@ bool battery_test(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) 
     if (!started && rig.complete()) {
       started = true;
       run.obey("battery test", rig.start(now));
+      const wire::BatteryReady fitted{"blue", "leaf33", 12.0, 3600.0, 23.5, 100.0};
+      run.publish("operator",
+                  {wire::own_topic(wire::battery_fitted_topic_prefix, vehicles(2)[1]), to_json(fitted), 1, false});
     }
     if (started) run.obey("battery test", rig.tick(now));
   }
@@ -231,6 +268,11 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   run.publish("gvs", {std::string(wire::gvs_connection_topic), to_json(online), 1, true});
   run.publish("page", {std::string(wire::gvs_preview_request_topic), "{}", 0, false});
   bool found = false;
+  app::ActualPositions positions;
+  const wire::VehicleId vehicle = vehicles(1)[0];
+  const std::string request = to_json(wire::ActualPositionRequest{"golden/1", 1});
+  run.publish("qualification", {wire::own_topic(wire::gvs_position_request_topic_prefix, vehicle), request, 0, false});
+  positions.on_request(run.world().now(), vehicle, request);
   for (int i = 0; i < 3; ++i) {
     run.world().run_for(250ms);
     if (!now) return false;
@@ -239,6 +281,7 @@ bool camera(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
     if (!poses) return false;
     found = found || poses->detections.size() == 2;
     run.publish("gvs", {std::string(wire::gvs_detections_topic), to_json(*poses), 0, false});
+    for (const wire::Publish& response : positions.on_detections(*poses)) run.publish("gvs", response);
     run.publish("gvs",
                 {std::string(wire::gvs_preview_topic), tracker.shown(image, *poses, rtm->zone().vehicle), 0, false});
   }
@@ -259,11 +302,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   constexpr std::pair<const char*, bool (*)(app::TraceWriter&, const zone::ZoneConfiguration&)> parts[] = {
-      {"qualification", qualification},
-      {"battery test", battery_test},
-      {"connections", connections},
-      {"several servers", several_servers},
-      {"camera", camera}};
+      {"qualification", qualification},     {"moves", moves},
+      {"battery test", battery_test},       {"connections", connections},
+      {"several servers", several_servers}, {"camera", camera}};
   int status = 0;
   for (const auto& [name, part] : parts) {
     if (part(**trace, zone)) continue;

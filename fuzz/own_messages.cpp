@@ -1,5 +1,6 @@
 #include "cosiva/wire/own/own_messages.h"
 
+#include "cosiva/wire/own/actual_position.h"
 #include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/crossing_claims.h"
@@ -41,9 +42,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   read(wire::unit_switch_from_json, text);
   read(wire::owner_from_json, text);
   read(wire::battery_change_from_json, text);
+  read(wire::battery_request_from_json, text);
   read(wire::battery_ready_from_json, text);
   read(wire::battery_test_from_json, text);
   read(wire::estimate_request_from_json, text);
+  read(wire::actual_position_request_from_json, text);
+  read(wire::actual_position_from_json, text);
   read(wire::estimate_response_from_json, text);
   return 0;
 }

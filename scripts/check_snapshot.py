@@ -37,6 +37,7 @@ EXCEPTIONS = {
     "Dems": {"line_sd_m_": "constant", "random_": "renewed"},
     "DistanceCounter": {"step_m_max_": "constant"},
     "DrivingContext": {"crossings_": "constant", "negotiation_": "renewed"},
+    "OrderProgress": {"move_left_m_": "renewed"},
     "Estimating": {"registry_": "constant", "model_": "constant"},
     "LineVehicle": {
         "circuit_": "derived",

@@ -385,7 +385,7 @@ TEST(PageCalls, pass_battery_ready_to_a_battery_test_that_requested_a_battery) {
   const std::size_t before = page.server.published.size();
   EXPECT_EQ(page.send_request("POST", "/api/v1/battery/ready", in).status, 202U);
   ASSERT_EQ(page.server.published.size(), before + 1);
-  EXPECT_EQ(page.server.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_EQ(page.server.published.back().topic, "cosiva/v1/battery/fitted/CoSiVA/AIV1");
   EXPECT_THAT(page.server.published.back().payload, HasSubstr(R"("charge":99.5)"));
   EXPECT_EQ(page.send_request("POST", "/api/v1/battery/ready", R"({"vehicle":"CoSiVA/AIV1"})").status, 400U);
 }

@@ -85,10 +85,10 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (position.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps)
     target_speed = zone_.profiles.slow;
   // While the vehicle joins the path no order leads it, and its speed is the manoeuvre's.
-  Limit limit =
-      vehicle_.joining()
-          ? envelope_.limit_off_path(obstacle_m, target_speed)
-          : envelope_.limit({position.outlook(), speed_mps, obstacle_m, vehicle_.order(), barrier_m_}, target_speed);
+  Limit limit = vehicle_.joining() ? envelope_.limit_off_path(obstacle_m, target_speed)
+                                   : envelope_.limit({position.outlook(), speed_mps, obstacle_m, vehicle_.order(),
+                                                      barrier_m_, vehicle_.progress().move_left_m()},
+                                                     target_speed);
   if (limit.speed_mps > 0.0 && !vehicle_.watch().may_sweep(position, limit.bend_ahead_m)) {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;

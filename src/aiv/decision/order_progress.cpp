@@ -14,7 +14,13 @@ Result<OrderBook::Verdict> OrderProgress::offer(const wire::Order& order, const 
   return book_.offer(order, reference);
 }
 
+void OrderProgress::begin_move(double distance_m) {
+  COSIVA_EXPECT(distance_m > 0.0 && distance_m < unlimited_m);
+  move_left_m_ = distance_m;
+}
+
 void OrderProgress::advance(double distance_m) {
+  move_left_m_ -= distance_m;
   auto traversed = book_.travelled(distance_m);
   std::ranges::move(traversed, std::back_inserter(traversed_));
 }

@@ -92,5 +92,19 @@ TEST(OrderProgressDeathTest, ends_no_cancellation_that_has_not_begun) {
   EXPECT_DEATH(progress.end_cancel(), "cancelling_");
 }
 
+TEST(OrderProgress, counts_the_rest_of_a_move_from_its_beginning) {
+  Progress progress;
+  progress.advance(0.10);
+  EXPECT_FALSE(progress.moving());
+  progress.begin_move(0.25);
+  EXPECT_DOUBLE_EQ(progress.move_left_m(), 0.25);
+  progress.advance(0.30);
+  EXPECT_NEAR(progress.move_left_m(), -0.05, 1e-12);
+  EXPECT_TRUE(progress.moving()) << "reached, and still in force";
+  progress.end_move();
+  progress.advance(0.10);
+  EXPECT_FALSE(progress.moving());
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -10,6 +10,16 @@
 #include "cosiva/wire/vda5050/codec.h"
 
 namespace cosiva::aiv {
+namespace {
+
+constexpr auto running = wire::ActionStatus::running;
+constexpr auto finished = wire::ActionStatus::finished;
+
+constexpr double move_m_max = 10.0;
+/// A stopped vehicle this near to a move's end has arrived.
+constexpr double move_ends_m = 0.005;
+
+}  // namespace
 
 ActionExecutor::Handler ActionExecutor::handler_of(std::string_view action_type) {
   struct Entry {
@@ -26,6 +36,7 @@ ActionExecutor::Handler ActionExecutor::handler_of(std::string_view action_type)
       Entry{action::download_map, &ActionExecutor::enable_map},
       Entry{action::join_line, &ActionExecutor::join_line},
       Entry{action::back_up, &ActionExecutor::back_up},
+      Entry{action::move, &ActionExecutor::move},
       Entry{action::self_test, &ActionExecutor::self_test},
       Entry{action::factsheet_request, &ActionExecutor::request_factsheet},
   };
@@ -51,7 +62,7 @@ void ActionExecutor::on_message(SimTime now, std::string_view payload, DrivingCo
 
 void ActionExecutor::perform(const wire::Action& action, SimTime now, SimTime sent, DrivingContext* context,
                              wire::Effects& effects) {
-  if (action.action_type == action::state_request) return finish(action);
+  if (action.action_type == action::state_request) return set(action, finished);
   const Handler handler = handler_of(action.action_type);
   if (handler == nullptr) {
     return fail(action, "instantActionError", "action '" + action.action_type + "' is not supported", effects);
@@ -69,11 +80,9 @@ void ActionExecutor::on_first_zone(SimTime now, DrivingContext& context, wire::E
   COSIVA_EXPECT(waiting_.empty());
 }
 
-void ActionExecutor::finish(const wire::Action& action, std::string result) {
-  book_.set(action.action_id, wire::ActionStatus::finished, std::move(result));
+void ActionExecutor::set(const wire::Action& action, wire::ActionStatus status, std::string result) {
+  book_.set(action.action_id, status, std::move(result));
 }
-
-void ActionExecutor::run(const wire::Action& action) { book_.set(action.action_id, wire::ActionStatus::running); }
 
 void ActionExecutor::fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects) {
   book_.set(action.action_id, wire::ActionStatus::failed, why);
@@ -88,7 +97,7 @@ void ActionExecutor::fail(const Call& call, std::string why) {
 void ActionExecutor::start_pause(const Call& call) {
   call.context.vehicle().hold(Hold::paused, true);
   stop_sent_ = std::max(stop_sent_.value_or(call.sent), call.sent);
-  run(call.action);
+  set(call.action, running);
   // An operator has stopped the vehicle: the motors must not wait for the next tick, up to 100 ms with the longest
   // cycle.
   parts_.drive_cycle.run(call.now, call.context, call.effects);
@@ -100,15 +109,17 @@ void ActionExecutor::stop_pause(const Call& call) {
   if (stop_sent_ && call.sent < *stop_sent_ && *stop_sent_ - call.sent <= delay_max)
     return fail(call, "stopPause was sent before the last startPause; repeat it where that is safe");
   call.context.vehicle().hold(Hold::paused, false);
+  call.context.vehicle().progress().end_move();
+  book_.end_running(action::move, wire::ActionStatus::failed, "overtaken by stopPause");
   book_.end_running(action::start_pause, wire::ActionStatus::failed, "overtaken by stopPause");
-  finish(call.action);
+  set(call.action, finished);
   parts_.positions.request_save();
 }
 
 void ActionExecutor::cancel_order(const Call& call) {
   if (!call.context.vehicle().progress().begin_cancel())
     return fail(call.action, "noOrderToCancel", "there is no order to cancel", call.effects);
-  run(call.action);
+  set(call.action, running);
 }
 
 std::optional<Pose2> ActionExecutor::pose_of(const Call& call) {
@@ -127,7 +138,7 @@ void ActionExecutor::join_line(const Call& call) {
   const auto joins = call.context.vehicle().join_line(*X_MG);
   if (!joins) return fail(call, joins.error().message);
   book_.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
-  run(call.action);
+  set(call.action, running);
 }
 
 void ActionExecutor::back_up(const Call& call) {
@@ -137,15 +148,27 @@ void ActionExecutor::back_up(const Call& call) {
   const auto backs = vehicle.begin_back_up(*distance_m);
   if (!backs) return fail(call, backs.error().message);
   book_.end_running(action::back_up, wire::ActionStatus::failed, "overtaken by another backUp");
-  if (!vehicle.back_up().active()) return finish(call.action);
-  run(call.action);
+  if (!vehicle.back_up().active()) return set(call.action, finished);
+  set(call.action, running);
+}
+
+void ActionExecutor::move(const Call& call) {
+  const auto distance_m = call.action.number("distance");
+  if (!distance_m || !(*distance_m >= 0.0 && *distance_m <= move_m_max))
+    return fail(call, "move needs the number distance, from 0 to 10 m");
+  OrderProgress& progress = call.context.vehicle().progress();
+  book_.end_running(action::move, wire::ActionStatus::failed, "overtaken by another move");
+  progress.end_move();
+  if (*distance_m == 0.0) return set(call.action, finished);
+  progress.begin_move(*distance_m);
+  set(call.action, running);
 }
 
 void ActionExecutor::self_test(const Call& call) {
   // A test pulse of a motor, or of a reader's field, is no reading to drive by.
   if (!call.context.vehicle().motion().stopped()) return fail(call, "the vehicle drives; stop it before a self-test");
   book_.end_running(action::self_test, wire::ActionStatus::failed, "overtaken by another selfTest");
-  run(call.action);
+  set(call.action, running);
   parts_.boards.request_self_test(call.now, call.effects);
 }
 
@@ -158,7 +181,7 @@ void ActionExecutor::init_position(const Call& call) {
   const auto done = call.context.vehicle().initialise_position(*X_MB, call.action.text("lastNodeId").value_or(""));
   if (!done) return fail(call, done.error().message);
   parts_.positions.discard_restored();
-  finish(call.action);
+  set(call.action, finished);
 }
 
 void ActionExecutor::set_speed_limit(const Call& call) {
@@ -179,7 +202,8 @@ void ActionExecutor::set_speed_limit(const Call& call) {
     agent.instructions().speed_mps_max = *speed_mps;
   }
   parts_.positions.request_save();
-  finish(call.action, agent.instructions().imposed ? std::string(to_string(*agent.instructions().imposed)) : "normal");
+  set(call.action, finished,
+      agent.instructions().imposed ? std::string(to_string(*agent.instructions().imposed)) : "normal");
 }
 
 void ActionExecutor::enable_map(const Call& call) {
@@ -189,8 +213,8 @@ void ActionExecutor::enable_map(const Call& call) {
   if (!map_id || map_id->empty()) return fail(call, type + " needs a mapId");
   for (const wire::MapInfo& map : parts_.zones.maps()) {
     if (map.map_id != *map_id || (version && !version->empty() && *version != map.map_version)) continue;
-    if (map.enabled || type == action::download_map) return finish(call.action);
-    return run(call.action);  // ends with the switch
+    if (map.enabled || type == action::download_map) return set(call.action, finished);
+    return set(call.action, running);  // ends with the switch
   }
   fail(call,
        "map '" + *map_id + "' is not available; maps arrive with a message on " + parts_.server.topics().zone_prefix);
@@ -198,7 +222,7 @@ void ActionExecutor::enable_map(const Call& call) {
 
 void ActionExecutor::request_factsheet(const Call& call) {
   parts_.reporter.publish_factsheet(call.now, call.context.zone(), parts_.session, call.effects);
-  finish(call.action);
+  set(call.action, finished);
 }
 
 void ActionExecutor::end_wait(std::string_view action_type, bool reached, std::string_view failure) {
@@ -215,6 +239,8 @@ void ActionExecutor::end_waits(const VehicleState& vehicle) {
     end_wait(action::join_line, !vehicle.position().off_path(), "abandoned before the vehicle was on the path");
   if (!vehicle.back_up().active())
     end_wait(action::back_up, vehicle.back_up().completed(), "ended before the commanded distance");
+  const double move_left_m = vehicle.progress().move_left_m();
+  if (vehicle.motion().stopped() && move_left_m <= move_ends_m) end_wait(action::move, true);
   if (!vehicle.progress().cancelling()) end_wait(action::cancel_order, true);
   if (book_.running(action::self_test) && !parts_.boards.self_tests().open()) {
     const bool passed = parts_.boards.self_tests().passed();

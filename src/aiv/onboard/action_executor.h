@@ -25,7 +25,7 @@ namespace cosiva::aiv {
 /// A stopPause that was sent before the last startPause is refused: the network has delayed it, and a Stop outranks it.
 /// Senders' clocks may step back; so one that is older by more than `delay_max` is performed.
 ///
-/// Invariant: after end_waits() cancelOrder, joinLine, backUp and selfTest run only while they are still performed. At
+/// Invariant: after end_waits() cancelOrder, joinLine, backUp, move and selfTest run only while they are still performed. At
 /// most InstantActionBook::shown_max actions wait for a zone.
 class ActionExecutor {
  public:
@@ -71,8 +71,7 @@ class ActionExecutor {
   [[nodiscard]] static Handler handler_of(std::string_view action_type);
 
   void perform(const wire::Action& action, SimTime now, SimTime sent, DrivingContext* context, wire::Effects& effects);
-  void finish(const wire::Action& action, std::string result = {});
-  void run(const wire::Action& action);
+  void set(const wire::Action& action, wire::ActionStatus status, std::string result = {});
   void fail(const wire::Action& action, std::string type, std::string why, wire::Effects& effects);
   void fail(const Call& call, std::string why);
   /// Ends an action that runs, as soon as the vehicle no longer performs it.
@@ -86,6 +85,7 @@ class ActionExecutor {
   void enable_map(const Call& call);
   void join_line(const Call& call);
   void back_up(const Call& call);
+  void move(const Call& call);
   void self_test(const Call& call);
   void request_factsheet(const Call& call);
   /// Parameters x, y and theta; fails the action where they are not numbers.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cosiva/aiv/estimation/next_position.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
@@ -128,6 +129,7 @@ void Estimating::on_odometry(SimTime now, const Step& step) {
     if (!session_) return;
   }
   session_->acknowledged = request.sequence;
+  session_->move_m = request.move_m;
   response(step.at);
 }
 
@@ -249,6 +251,9 @@ void Estimating::response(SimTime at) {
     EstimateResponse::Estimate estimate = inputs ? std::move(*inputs) : EstimateResponse::Estimate{};
     estimate.algorithm = one.name;
     estimate.fault = one.fault;
+    if (inputs && run.move_m > 0.0)
+      estimate.next =
+          next_position(one.algorithm->estimate(), run.track.get(), run.start.along_m + run.travelled_m, run.move_m);
     if (inputs) estimate.rectified = std::exchange(one.rectified, {});
     response.estimates.push_back(std::move(estimate));
   }

@@ -77,6 +77,7 @@ class Estimating {
     std::vector<Running> algorithms;
     std::vector<wire::EstimateResponse::Input> inputs;
     double travelled_m{0.0};
+    double move_m{0.0};  ///< of the present request
     double off_loop_m{0.0};
     SimTime stepped_at{};
     double speed_mps{0.0};

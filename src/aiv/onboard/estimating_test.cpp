@@ -504,5 +504,22 @@ TEST(Estimating, returns_to_its_loop_without_a_trace) {
   EXPECT_THAT(vehicle.received()->fault, IsEmpty());
 }
 
+// The next position is that of the path after the move: on lacet4's first section, straight.
+TEST(Estimating, responds_with_the_position_after_the_requested_move) {
+  Requested vehicle;
+  vehicle.request_estimate(1, {"dead_reckoning", "ekf"});
+  for (const auto& estimate : vehicle.response().estimates) EXPECT_FALSE(estimate.next) << "no move was named";
+  wire::EstimateRequest request{"q/1", 2, {}, 1, 500, 4, 0.25};
+  vehicle.estimating.on_request(vehicle.now, request);
+  const EstimateResponse response = vehicle.response();
+  ASSERT_THAT(response.estimates, SizeIs(2));
+  for (const auto& estimate : response.estimates) {
+    ASSERT_TRUE(estimate.next) << estimate.algorithm;
+    Requested later;
+    later.s_m = vehicle.s_m + 0.25;
+    EXPECT_LT(distance(*estimate.next, later.current_estimate().X_MB), 1e-6) << estimate.algorithm;
+  }
+}
+
 }  // namespace
 }  // namespace cosiva::aiv

@@ -3,6 +3,7 @@
 #include <functional>
 #include <utility>
 
+#include "cosiva/aiv/experiments/battery_exchange.h"
 #include "cosiva/aiv/onboard/action_executor.h"
 #include "cosiva/aiv/onboard/announced_zone.h"
 #include "cosiva/aiv/onboard/boards_link.h"
@@ -47,6 +48,10 @@ V2xParticipant::Mode v2x_mode_of(const OnboardOptions& options) {
   return {.direct = options.v2x_direct,
           .as_values = options.as_values,
           .dense = options.v2x_direct || options.link_loss == LinkLoss::finish_base};
+}
+
+void report(const Result<void>& taken, wire::Effects& effects) {
+  if (!taken) log(effects, 'w', to_string(taken.error()));
 }
 
 /// Subscribes to all topics besides subscriptions().
@@ -117,7 +122,11 @@ struct OnboardCore::Parts {
   std::unique_ptr<DrivingContext> context;  ///< none before a zone is known
   StateReporter reporter;
   PositionStore positions;
-  EstimationService estimation;
+  struct Experiments {
+    EstimationService estimation;
+    BatteryExchange battery;
+  };
+  Experiments experiments;
   V2xParticipant v2x;
   VirtualPerception perception;
   DriveCycle drive_cycle;
@@ -187,7 +196,7 @@ void OnboardCore::Parts::on_board_messages(SimTime now, wire::Board board, const
   }
   if (const auto restarted = boards.take_restarted()) reporter.report_restart(*restarted, effects);
   if (boards.take_new_ranges()) publish_detection(now, effects);
-  estimation.publish(session, effects);
+  experiments.estimation.publish(session, effects);
 }
 
 void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
@@ -201,7 +210,9 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
     case ServerMessage::order: orders.on_order(input, context.get(), effects); break;
     case ServerMessage::instant_actions: actions.on_message(input.at, input.payload, context.get(), effects); break;
     case ServerMessage::connection: on_server_connection(input, effects); break;
-    case ServerMessage::estimate_request: estimation.on_request(input.at, input.payload, session, effects); break;
+    case ServerMessage::estimate_request: experiments.estimation.on_request(input.at, input.payload, session, effects); break;
+    case ServerMessage::battery_change: report(experiments.battery.on_request(input.payload), effects); break;
+    case ServerMessage::battery_fitted: report(experiments.battery.on_fitted(input.payload), effects); break;
     case ServerMessage::owner: on_owner(input, effects); break;
     case ServerMessage::zone: on_zone_message(input, effects); break;
   }
@@ -227,7 +238,8 @@ void OnboardCore::Parts::on_board(SimTime, const wire::Hello& hello) {
 
 void OnboardCore::Parts::on_board(SimTime now, const wire::Odometry& odometry) {
   if (!context) return;
-  estimation.on_odometry(now, context->zone().circuit.indirect() ? turned_round(odometry) : odometry, *context);
+  experiments.estimation.on_odometry(now, context->zone().circuit.indirect() ? turned_round(odometry) : odometry,
+                                     *context);
   if (!context->vehicle().position().pose_known()) positions.find_position(*context);
 }
 
@@ -239,7 +251,7 @@ void OnboardCore::Parts::on_board(SimTime now, const wire::TagRead& tag) {
     return last_tag ? std::optional{last_tag->number} : std::nullopt;
   };
   const auto last = last_number();
-  estimation.on_tag(now, tag, *context);
+  experiments.estimation.on_tag(now, tag, *context);
   const auto fix = context->vehicle().on_tag(tag);
   // A beacon every few centimetres is no event; a tag is (A13), and so is the correction of a wrong estimate.
   if (last_number() != last || fix.kind == FixKind::relocated) reporter.request_report();
@@ -252,7 +264,8 @@ void OnboardCore::Parts::on_board(SimTime, const wire::Ranges& ranges) {
   context->vehicle().on_ranges(indirect ? turned_round(ranges) : ranges);
 }
 
-void OnboardCore::Parts::on_board(SimTime, const wire::Power& power) {
+void OnboardCore::Parts::on_board(SimTime now, const wire::Power& power) {
+  experiments.battery.on_power(now, power);
   if (context) context->agent().on_charge(power.charge());
 }
 
@@ -326,7 +339,7 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());
   zones.enforce(*zones.pending());
   actions.on_zone_switched();
-  estimation.on_zone_switched();
+  experiments.estimation.on_zone_switched();
   perception.on_zone_switched();
   v2x.on_zone_switched();
   positions.on_zone_switched(*context);
@@ -363,6 +376,8 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     v2x.publish_intent(now, *context, session.online(), effects);
     v2x.publish_claims(now, *context, effects);
   }
+  if (const auto ready = experiments.battery.take_ready(now, !context || context->vehicle().motion().stopped()))
+    session.publish(*ready, effects);
   if (reporter.boards_report_due(now) && !starting_up(now))
     reporter.publish_boards_report(sources(now), boards.ranges(), v2x.proxies(), session, effects);
   reporter.compare_flags(flags_of(sources(now)));
@@ -444,6 +459,8 @@ std::vector<std::string> OnboardCore::subscriptions() const {
           topics.instant_actions,
           topics.virtual_obstacles,
           topics.estimate_request,
+          topics.battery_change,
+          topics.battery_fitted,
           topics.link_check,
           std::string(wire::server_heartbeat_topic),
           std::string(wire::server_connection_topic),
@@ -524,7 +541,7 @@ void OnboardCore::Parts::archive(Archive& archive) {
     if (rtm) context = std::make_unique<DrivingContext>(rtm->zone(), options);
   }
   if (context) archive(*context);
-  archive(reporter, positions, estimation, v2x, perception, actions);
+  archive(reporter, positions, experiments.estimation, v2x, perception, actions);
 }
 
 void OnboardCore::archive(Archive& archive) { archive(*parts_, now_); }

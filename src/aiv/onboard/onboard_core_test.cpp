@@ -6,6 +6,7 @@
 #include "cosiva/aiv/localisation/persisted_position.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/onboard_fixture.h"
+#include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
 
 namespace cosiva::aiv {
@@ -43,7 +44,7 @@ TEST(Onboard, announces_itself_when_the_broker_is_connected) {
   EXPECT_TRUE(fixture.published[1].retained);
   EXPECT_EQ(fixture.published[1].qos, 0);
   EXPECT_EQ(fixture.factsheets[0].speed_max_mps, 0.5);
-  EXPECT_THAT(fixture.factsheets[0].actions, SizeIs(11));
+  EXPECT_THAT(fixture.factsheets[0].actions, SizeIs(12));
 }
 
 TEST(Onboard, publishes_its_first_state_when_its_boards_have_responded) {
@@ -121,7 +122,8 @@ TEST(Onboard, subscribes_to_its_topics) {
   EXPECT_THAT(OnboardFixture{}.core->subscriptions(),
               ElementsAre("cosiva/v1/owner/CoSiVA/AIV1", "uagv/v2/CoSiVA/AIV1/order",
                           "uagv/v2/CoSiVA/AIV1/instantActions", "cosiva/v1/virtual_obstacles/CoSiVA/AIV1",
-                          "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/link_check/CoSiVA/AIV1",
+                          "cosiva/v1/estimate/request/CoSiVA/AIV1", "cosiva/v1/battery/change/CoSiVA/AIV1",
+                          "cosiva/v1/battery/fitted/CoSiVA/AIV1", "cosiva/v1/link_check/CoSiVA/AIV1",
                           "cosiva/v1/server/heartbeat", "cosiva/v1/server/connection", "cosiva/v1/zone/+"));
 }
 
@@ -607,6 +609,29 @@ TEST(Onboard, is_deterministic) {
     return folded.value();
   };
   EXPECT_EQ(digest(), digest());
+}
+
+// Figure 18: changeBattery is sent to the vehicle, and the vehicle's own program sends batteryReady.
+TEST(OnboardCore, responds_to_changeBattery_when_rali_reads_a_full_battery) {
+  OnboardFixture fixture;
+  fixture.charge = 300;
+  fixture.run(1.0);
+  fixture.receive("cosiva/v1/battery/change/CoSiVA/AIV1", to_json(wire::BatteryRequest{{"red", 1, ""}, false}), true);
+  const auto responses = [&fixture] {
+    std::vector<std::string> payloads;
+    for (const wire::Publish& message : fixture.published)
+      if (message.topic == "cosiva/v1/battery/ready/CoSiVA/AIV1") payloads.push_back(message.payload);
+    return payloads;
+  };
+  fixture.run(10.0);
+  EXPECT_TRUE(responses().empty()) << "the old battery is still on board";
+  fixture.charge = 1000;
+  fixture.run(4.0);
+  ASSERT_EQ(responses().size(), 1U);
+  EXPECT_EQ(wire::battery_ready_from_json(responses()[0]),
+            (wire::BatteryReady{"red", "unknown", 0.0, 0.0, 25.0, 100.0}));
+  fixture.run(4.0);
+  EXPECT_EQ(responses().size(), 1U);
 }
 
 }  // namespace

@@ -31,6 +31,8 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
       .virtual_obstacles = wire::own_topic(wire::virtual_obstacles_topic_prefix, id),
       .owner = wire::own_topic(wire::owner_topic_prefix, id),
       .estimate_request = wire::own_topic(wire::estimate_request_topic_prefix, id),
+      .battery_change = wire::own_topic(wire::battery_change_topic_prefix, id),
+      .battery_fitted = wire::own_topic(wire::battery_fitted_topic_prefix, id),
       .link_check = wire::own_topic(wire::link_check_topic_prefix, id),
       .connection = wire::vda_topic(id, "connection", interface_name),
       .state = wire::vda_topic(id, "state", interface_name),
@@ -40,6 +42,7 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
       .estimate_response = wire::own_topic(wire::estimate_response_topic_prefix, id),
       .detected_obstacle = wire::own_topic(wire::detected_obstacle_topic_prefix, id),
       .boards = wire::own_topic(wire::boards_topic_prefix, id),
+      .battery_ready = wire::own_topic(wire::battery_ready_topic_prefix, id),
   };
 }
 
@@ -110,6 +113,10 @@ void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effec
   effects.emplace_back(wire::Publish{topics_.link_check, to_json(check), 0, false});
 }
 
+void Session::publish(const wire::BatteryReady& ready, wire::Effects& effects) {
+  if (online_) send({topics_.battery_ready, to_json(ready), 1, false}, effects);
+}
+
 void Session::publish_estimate(std::string&& json, wire::Effects& effects) {
   if (online_) send({topics_.estimate_response, std::move(json), 0, false}, effects);
 }
@@ -128,6 +135,8 @@ ServerMessage Session::kind_of(std::string_view topic, const wire::ServerTopics&
   if (topic == topics_.instant_actions) return instant_actions;
   if (topic == server.connection) return connection;
   if (topic == topics_.estimate_request) return estimate_request;
+  if (topic == topics_.battery_change) return battery_change;
+  if (topic == topics_.battery_fitted) return battery_fitted;
   if (topic == topics_.owner) return owner;
   return topic.starts_with(server.zone_prefix) ? zone : none;
 }
@@ -190,6 +199,8 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
       instant(action::self_test, "tests every board and its parts; only at standstill"),
       instant(action::join_line, "joins the path at a pose that lies along it; for an off-path vehicle",
               {number("x"), number("y"), number("theta")}),
+      instant(action::move, "drives this far along the order and stops there, up to 10 m; 0 ends the limit",
+              {number("distance")}),
       instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",
               {number("distance")}),
   };

@@ -8,6 +8,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/battery_exchange.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
@@ -24,6 +25,8 @@ struct SessionTopics {
   std::string virtual_obstacles;
   std::string owner;
   std::string estimate_request;
+  std::string battery_change;
+  std::string battery_fitted;
   std::string link_check;  ///< published, too
   // Published.
   std::string connection;
@@ -34,6 +37,7 @@ struct SessionTopics {
   std::string estimate_response;
   std::string detected_obstacle;
   std::string boards;
+  std::string battery_ready;
 };
 
 /// Which message of the server has arrived, by its topic.
@@ -43,6 +47,8 @@ enum class ServerMessage : std::uint8_t {
   instant_actions,
   virtual_obstacles,
   estimate_request,
+  battery_change,
+  battery_fitted,
   owner,
   heartbeat,
   connection,
@@ -78,6 +84,7 @@ class Session {
   void publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects);
   void publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects);
   void publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects);
+  void publish(const wire::BatteryReady& ready, wire::Effects& effects);  ///< with QoS 1: a test waits for it
   /// wire::EstimateResponse, encoded when it was due: it is sent again when its request is repeated.
   void publish_estimate(std::string&& json, wire::Effects& effects);
 

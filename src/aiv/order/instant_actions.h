@@ -50,6 +50,7 @@ inline constexpr std::string_view enable_map = "enableMap";
 inline constexpr std::string_view download_map = "downloadMap";
 inline constexpr std::string_view join_line = "joinLine";
 inline constexpr std::string_view back_up = "backUp";
+inline constexpr std::string_view move = "move";
 inline constexpr std::string_view self_test = "selfTest";
 }  // namespace action
 

@@ -20,7 +20,7 @@ int run_battery_ready(const BatteryReadyArguments& arguments) {
   if (broker.address.empty()) broker.address = "127.0.0.1:1883";
   const wire::BatteryReady ready{arguments.battery, arguments.type,          arguments.cycles,
                                  arguments.rest_s,  arguments.temperature_c, arguments.charge_percent};
-  const wire::Publish message{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false};
+  const wire::Publish message{wire::own_topic(wire::battery_fitted_topic_prefix, id), to_json(ready), 1, false};
   if (const auto published = publish_once(broker, "cosiva-battery-ready", {message}); !published)
     return report_error(published.error());
   print(to_string(id) + ": batteryReady, '" + arguments.battery + "'");

@@ -115,7 +115,8 @@ void add_live_options(Command command, BatteryTestArguments& test) {
   command.add_option("--battery", test.batteries, "name of each battery, in the vehicles' order").value_name("ID");
   command.add_flag(
       "--by-hand", test.by_hand,
-      "operators change the batteries and confirm with `cosiva battery ready`; without: the plant changes them");
+      "operators change the batteries and confirm with `cosiva battery ready`; without: the plant changes them, and "
+      "each vehicle confirms as soon as it reads a full battery");
   command
       .add_option("--park", test.park, "station for vehicles whose run has ended, with --by-hand; without: they stop")
       .value_name("STATION");

@@ -13,6 +13,7 @@
 #include "cosiva/adapters/live_shell.h"
 #include "cosiva/adapters/mqtt_client.h"
 #include "cosiva/app/cli/console.h"
+#include "cosiva/app/gvs/actual_positions.h"
 #include "cosiva/app/gvs/camera_pipeline.h"
 #include "cosiva/app/gvs/gvs_scene.h"
 #include "cosiva/app/gvs/gvs_source_files.h"
@@ -67,7 +68,7 @@ class Watch {
     feed_.reset();
     if (arguments_.part.json) print(json());
     // The run's own check: a watch without any detection proves nothing.
-    return detected_ == 0 && !interrupted_ ? exit_check_failed : exit_done;
+    return counts_.detected == 0 && !interrupted_ ? exit_check_failed : exit_done;
   }
 
  private:
@@ -80,6 +81,7 @@ class Watch {
     };
     handlers.on_message = [this](std::string_view topic, std::string_view payload, bool) { receive(topic, payload); };
     std::vector<std::string> topics{std::string(wire::gvs_preview_request_topic),
+                                    wire::topics_below(wire::gvs_position_request_topic_prefix, 2),
                                     wire::topics_below(wire::zone_topic_prefix, 1)};
     if (source_.emulated()) topics.emplace_back(wire::ground_truth_topic);
     const wire::Will will{
@@ -105,6 +107,8 @@ class Watch {
   void receive(std::string_view topic, std::string_view payload) {
     if (topic == wire::gvs_preview_request_topic) {
       looked_until_ = clock_.now() + looked_for;
+    } else if (const auto vehicle = wire::parse_own_topic(wire::gvs_position_request_topic_prefix, topic)) {
+      positions_.on_request(clock_.now(), *vehicle, payload);
     } else if (topic == wire::ground_truth_topic) {
       if (auto ground_truth = read_plant_ground_truth(std::string(payload))) see_world(std::move(*ground_truth));
     } else if (topic.starts_with(wire::zone_topic_prefix) && !payload.empty()) {
@@ -152,9 +156,10 @@ class Watch {
     const auto detections = camera_->see(image, began, 1.0 / source_.rate_hz);
     if (!detections) return set_trouble(to_string(detections.error()));
     set_trouble({});
-    ++images_;
-    detected_ += detections->detections.size();
+    ++counts_.images;
+    counts_.detected += detections->detections.size();
     client_->publish({std::string(wire::gvs_detections_topic), to_json(*detections), 0, false});
+    for (const wire::Publish& response : positions_.on_detections(*detections)) client_->publish(response);
     if (clock_.now() <= looked_until_)
       client_->publish({std::string(wire::gvs_preview_topic), camera_->shown(image, *detections, body_), 0, false});
   }
@@ -178,7 +183,7 @@ class Watch {
 
   [[nodiscard]] std::string json() const {
     JsonWriter json;
-    json.begin_object().field("source", text_).field("images", images_).field("fixes", detected_);
+    json.begin_object().field("source", text_).field("images", counts_.images).field("fixes", counts_.detected);
     json.field("trouble", trouble_).end_object();
     return json.take();
   }
@@ -194,6 +199,7 @@ class Watch {
   adapters::Timer heartbeat_;
   adapters::Timer duration_;
   std::optional<GvsCamera> camera_;
+  ActualPositions positions_;
   std::optional<zone::ZoneConfiguration> zone_;
   zone::VehicleShape body_;
   std::optional<EmulatedCamera> emulated_;
@@ -201,8 +207,11 @@ class Watch {
   SimTime ground_truth_received_{};
   SimTime due_{};
   SimTime looked_until_{};
-  std::uint64_t images_{0};
-  std::uint64_t detected_{0};
+  struct Counts {
+    std::uint64_t images{0};
+    std::uint64_t detected{0};
+  };
+  Counts counts_;
   bool interrupted_{false};
   std::unique_ptr<PreviewFeed> feed_;
 };

@@ -14,6 +14,8 @@ constexpr const char* qualify_examples =
     "  cosiva qualify calibrating --recording plaza1 --out DIR    on a recording, with a report\n"
     "  cosiva qualify arc_kalman --live --broker 127.0.0.1:1883    on a running platform (`cosiva up`), over its "
     "vehicles\n"
+    "  cosiva qualify arc_kalman --mode predict-then-move --distance 10 --runs 6    figure 16: estimate, move, "
+    "compare with the actual position\n"
     "  cosiva qualify mine --external \"mine=python3 mine.py\"      any program that speaks JSON lines\n"
     "  cosiva qualify all --runs 500 --threads 4                  at most four threads; same result\n"
     "  cosiva qualify --list                                      lists the algorithms\n"
@@ -26,6 +28,7 @@ constexpr const char* compare_examples =
     "  cosiva compare --zone indus8 --fiducials beacons --json        the usual algorithms, with the zone's beacons\n"
     "  cosiva compare --live --vehicle AIV1 --vehicle AIV2 --distance 20 --runs 8    figure 17 on two driving "
     "vehicles\n"
+    "  cosiva compare reset_rule arc_kalman --mode predict-then-move --step 0.2 --live    figure 17, move by move\n"
     "  cosiva compare ekf calibrating smoother --recording A --recording B\n"
     "  cosiva compare --reference ground_truth.tum --estimate a.tum --estimate b.tum\n"
     "  cosiva compare ekf smoother --recording A --reference-budget cal/reference_budget.json\n"
@@ -61,6 +64,20 @@ void add_virtual_time(Command command, QualifyArguments& q) {
   add_length(command, "--survey-error", q.survey_m, "standard deviation of the beacons' actual positions");
   command.add_option("--particles", q.particles, "of the particle filter").in_range(10, 1000000);
   command.add_option("--horizon", q.horizon, "number of readings that the unbiased FIR filter uses").in_range(1, 1000);
+}
+
+void add_mode(Command command, QualifyArguments& q) {
+  command
+      .add_option(
+          "--mode", q.mode,
+          "continuous: the vehicle drives on while its estimates are requested. predict-then-move, as in figures "
+          "16 and 17: its next position is requested, a move of --step commanded, then the actual position "
+          "requested from the GVS (without one from the emulated plant), until --distance (10 m and 6 runs if not "
+          "given); in virtual time with "
+          "the AIV's own on-board program, or with --live. --out adds steps.csv (PA, PE1, PE2 ...) and calls.txt")
+      .one_of({"continuous", "predict-then-move"})
+      .show_default();
+  add_length(command, "--step", q.step_m, "of each move, with --mode predict-then-move");
 }
 
 void add_evaluation(Command command, QualifyArguments& q) {
@@ -126,7 +143,8 @@ void add_live(Command command, LiveQualifyArguments& live) {
       .one_value_each();
   command
       .add_option("--ground-truth", live.ground_truth_topic,
-                  "topic of the vehicles' actual positions; without: cosiva/v1/plant/ground_truth")
+                  "topic of the vehicles' actual positions; without: the GVS's detections where a GVS is in operation, "
+                  "otherwise the plant's ground truth; the report names the source")
       .value_name("TOPIC");
 }
 
@@ -138,6 +156,16 @@ std::optional<std::string> useless_live(Command command) {
     if (command.given(name)) return name;
   }
   return std::nullopt;
+}
+
+/// The options of the continuous mode that have no meaning for moves.
+std::optional<std::string> useless_for_moves(Command command, bool live) {
+  for (const char* name : {"--fiducials", "--pitch", "--reach", "--odometry-noise", "--reading-noise", "--missed",
+                           "--scale-error", "--survey-error", "--rate", "--recording", "--external", "--reference",
+                           "--estimate", "--associate", "--align"}) {
+    if (command.given(name)) return name;
+  }
+  return !live && command.given("--speed") ? std::optional<std::string>{"--speed"} : std::nullopt;
 }
 
 int run_live(Command command, const QualifyArguments& q, LiveQualifyArguments& live, std::size_t at_least) {
@@ -163,6 +191,7 @@ QualifyCommands describe_qualify(Command root, QualifyArguments& q) {
         .value_name("N")
         .in_range(1, 1024);
     add_virtual_time(command, q);
+    add_mode(command, q);
     add_evaluation(command, q);
     add_others(command, q);
     add_live(command, *commands.live);
@@ -183,6 +212,14 @@ std::optional<int> run_qualify_command(const QualifyCommands& commands, QualifyA
     if (word.starts_with("--threads")) continue;
     q.command += word.find(' ') == std::string::npos ? " " + word : " '" + word + "'";
   }
+  const Command chosen = commands.qualify.chosen() ? commands.qualify : commands.compare;
+  if (const auto useless = predicts_then_moves(q) ? useless_for_moves(chosen, commands.live->live) : std::nullopt)
+    return report_error({"qualify.mode", "the option has no meaning with --mode predict-then-move", *useless});
+  if (!predicts_then_moves(q) && chosen.given("--step"))
+    return report_error({"qualify.mode", "the option has a meaning with --mode predict-then-move only", "--step"});
+  // A move takes a second or more: the usual 30 runs of 100 m would be some hours of driving.
+  if (predicts_then_moves(q) && !chosen.given("--distance")) q.distance_m = 10.0;
+  if (predicts_then_moves(q) && !chosen.given("--runs")) q.runs = 6;
   if (commands.live->live && !q.list)
     return commands.qualify.chosen() ? run_live(commands.qualify, q, *commands.live, 1)
                                      : run_live(commands.compare, q, *commands.live, 2);

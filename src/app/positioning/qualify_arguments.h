@@ -52,6 +52,15 @@ struct QualifyArguments {
   std::vector<std::string> estimates;
   std::string associate{"interpolate"};
   std::string align{"none"};  ///< none, se2, se3 or origin
+
+  // figures 16 and 17 with the simulator as the pivot
+  std::string mode{"continuous"};  ///< or predict-then-move
+  double step_m{0.1};              ///< of each move
 };
+
+/// Whether each move is predicted, commanded and compared (figures 16 and 17), instead of continuous driving.
+[[nodiscard]] inline bool predicts_then_moves(const QualifyArguments& arguments) {
+  return arguments.mode == "predict-then-move";
+}
 
 }  // namespace cosiva::app

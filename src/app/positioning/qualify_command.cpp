@@ -7,6 +7,7 @@
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
 #include "cosiva/app/positioning/qualify_candidates.h"
+#include "cosiva/app/positioning/qualify_moves.h"
 #include "cosiva/app/positioning/qualify_runs.h"
 #include "cosiva/app/positioning/qualify_trajectories.h"
 #include "cosiva/base/json_writer.h"
@@ -55,7 +56,8 @@ class RunsDone {
   SecondsTicker ticker_;
 };
 
-Result<void> write_all(const std::string& folder, const Qualification& all, const experiments::Conditions& conditions) {
+Result<void> write_all(const std::string& folder, const Qualification& all, const experiments::Conditions& conditions,
+                       const std::vector<std::pair<std::string, std::string>>& further) {
   const auto tum = [&](const std::string& name, const std::vector<Pose2>& path) {
     experiments::Trajectory trajectory{name, {}};
     for (std::size_t i = 0; i < path.size(); ++i)
@@ -66,6 +68,7 @@ Result<void> write_all(const std::string& folder, const Qualification& all, cons
                                                          {"result.json", to_json(all, conditions) + "\n"},
                                                          {"runs.csv", to_csv(all)},
                                                          {"ground_truth.tum", tum("ground_truth", all.ground_truth)}};
+  files.insert(files.end(), further.begin(), further.end());
   for (const experiments::Qualified& one : all.algorithms) {
     if (one.failed) continue;
     std::vector<double> errors;
@@ -97,6 +100,7 @@ std::string lateness_of(const Qualification& all) {
 int run_either(const QualifyArguments& arguments, std::size_t at_least) {
   const estimation::Registry registry;
   if (arguments.list) return list_algorithms(registry, arguments.json);
+  if (predicts_then_moves(arguments)) return run_moves(arguments, at_least);
   if (!arguments.reference.empty() || !arguments.estimates.empty()) return run_trajectories(arguments);
   const auto alignment = alignment_of(arguments);
   if (alignment != experiments::Alignment::none && arguments.recordings.empty())
@@ -153,7 +157,7 @@ int evaluate(const QualifyArguments& arguments, const std::vector<experiments::C
     conditions.settings.emplace_back("estimated delay against the ground truth, first run (not corrected)",
                                      lateness_of(*all));
   if (!arguments.out_folder.empty()) {
-    if (auto written = write_all(arguments.out_folder, *all, conditions); !written)
+    if (auto written = write_all(arguments.out_folder, *all, conditions, runs.files); !written)
       return report_error(written.error());
   }
   std::string text = arguments.json ? to_json(*all, conditions) : to_text(*all);

@@ -14,11 +14,13 @@
 #include "cosiva/app/cli/progress.h"
 #include "cosiva/app/positioning/qualify_candidates.h"
 #include "cosiva/app/positioning/qualify_command.h"
+#include "cosiva/app/positioning/qualify_moves.h"
 #include "cosiva/app/positioning/qualify_runs.h"
 #include "cosiva/app/remote/live_session.h"
 #include "cosiva/app/resources/resource_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/positioning/metrology/live_runs.h"
+#include "cosiva/experiments/positioning/moves/predict_then_move.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/zone/rtm/rtm.h"
 
@@ -49,8 +51,8 @@ LiveSessionOptions session_options() {
 /// One test: the session on the platform, and the messages and commands to send.
 class LiveTest {
  public:
-  LiveTest(experiments::LiveRunsOptions options, adapters::HttpClient server)
-      : runs_requested_{options.runs}, runs_{std::move(options)}, session_{session_options(), std::move(server)} {}
+  LiveTest(std::size_t runs_requested, experiments::PlatformTest& runs, adapters::HttpClient server)
+      : runs_requested_{runs_requested}, runs_{runs}, session_{session_options(), std::move(server)} {}
 
   Result<void> run(const BrokerArguments& broker) {
     if (auto there = open(broker); !there) return there;
@@ -62,7 +64,6 @@ class LiveTest {
     session_.stop();
     return {};
   }
-  [[nodiscard]] LiveRuns& runs() { return runs_; }
 
  private:
   Result<void> open(const BrokerArguments& broker) {
@@ -91,14 +92,14 @@ class LiveTest {
   }
 
   void heartbeat() {
-    LiveRuns::Responses responses = runs_.tick(session_.now());
+    experiments::PlatformTest::Responses responses = runs_.tick(session_.now());
     for (const wire::Publish& message : responses.messages) session_.publish(message);
     for (std::string& command : responses.commands) session_.add_command(std::move(command));
     for (const std::string& operator_messages : responses.operator_messages) print_info("cosiva: " + operator_messages);
     session_.send_commands();
     if (runs_.done()) return session_.leave();
     if (!ticker_.ticks()) return;
-    const LiveRuns::Progress progress = runs_.progress(session_.now());
+    const experiments::PlatformTest::Progress progress = runs_.progress(session_.now());
     std::string text = "cosiva: " + std::to_string(progress.complete) + " of " + std::to_string(runs_requested_) +
                        " runs, " + decimals(100.0 * progress.ratio, 0) + " % of the distance";
     if (progress.left_s) text += ", " + experiments::duration_text(*progress.left_s) + " left";
@@ -106,7 +107,7 @@ class LiveTest {
   }
 
   std::size_t runs_requested_;
-  LiveRuns runs_;
+  experiments::PlatformTest& runs_;
   LiveSession session_;
   SecondsTicker ticker_;
 };
@@ -159,7 +160,7 @@ Result<experiments::LiveRunsOptions> options_of(const QualifyArguments& argument
 }
 
 experiments::Conditions conditions_of(const QualifyArguments& arguments, const experiments::LiveRunsOptions& options,
-                                      const LiveRuns& runs, std::size_t complete) {
+                                      const experiments::PlatformTest& runs, std::size_t complete) {
   experiments::Conditions conditions{arguments.command, "live on " + runs.map_id(), {}, {}};
   std::string vehicles;
   for (const auto& vehicle : options.vehicles) vehicles += (vehicles.empty() ? "" : ", ") + to_string(vehicle);
@@ -170,7 +171,7 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
                          {"distance of each run", decimals(options.distance_m, 1) + " m"},
                          {"requests", decimals(options.rate_hz, 1) + " per second"},
                          {"on board", on_board.empty() ? "none" : on_board},
-                         {"ground_truth", options.ground_truth_topic},
+                         {"ground_truth", runs.source().name() + " (" + runs.source().topic() + ")"},
                          {"seeds", "from " + std::to_string(options.seed)}};
   if (options.speed_mps) conditions.settings.emplace_back("speed", decimals(*options.speed_mps, 2) + " m/s");
   auto& diagnostics = conditions.diagnostics;
@@ -190,6 +191,20 @@ experiments::Conditions conditions_of(const QualifyArguments& arguments, const e
   return conditions;
 }
 
+using Recorded = std::vector<std::shared_ptr<const experiments::LiveRun>>;
+
+/// Drives the test's runs on the platform. Fails where no run is complete.
+Result<Recorded> drive(const LiveQualifyArguments& live, std::size_t runs_requested, experiments::PlatformTest& runs) {
+  auto server = adapters::HttpClient::make(live.url);
+  if (!server) return tl::unexpected(server.error());
+  LiveTest test{runs_requested, runs, std::move(*server)};
+  if (auto done = test.run(live.broker); !done) return tl::unexpected(done.error());
+  Recorded recorded = runs.take_runs();
+  if (!recorded.empty()) return recorded;
+  const auto& losses = runs.losses();
+  return fail("live.runs", losses.empty() ? "the test was ended before a run was complete" : losses.back());
+}
+
 /// The recorded live runs, for all candidates: the algorithms on board repeat their recorded responses.
 Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArguments& live,
                       std::vector<experiments::Candidate>& candidates, const estimation::Registry& registry) {
@@ -200,23 +215,17 @@ Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArgume
   };
   for (const auto& one : candidates)
     if (runs_on_board(one)) options->algorithms.push_back(one.name);
-  auto server = adapters::HttpClient::make(live.url);
-  if (!server) return tl::unexpected(server.error());
-  LiveTest test{*options, std::move(*server)};
-  if (auto done = test.run(live.broker); !done) return tl::unexpected(done.error());
-  using Live = std::vector<std::shared_ptr<const experiments::LiveRun>>;
-  auto kept = std::make_shared<Live>(test.runs().take_runs());
-  if (kept->empty()) {
-    const auto& losses = test.runs().losses();
-    return fail("live.runs", losses.empty() ? "the test was ended before a run was complete" : losses.back());
-  }
+  LiveRuns test{*options};
+  auto recorded = drive(live, options->runs, test);
+  if (!recorded) return tl::unexpected(recorded.error());
+  auto kept = std::make_shared<Recorded>(std::move(*recorded));
   for (auto& one : candidates)
     if (runs_on_board(one)) one = experiments::on_board(one.name, one.what, *kept);
   Runs runs;
   runs.count = kept->size();
   runs.on_track = true;
   runs.complete = kept->size() == options->runs;
-  runs.conditions = conditions_of(arguments, *options, test.runs(), kept->size());
+  runs.conditions = conditions_of(arguments, *options, test, kept->size());
   runs.source = [kept = kept.get()](std::size_t index, experiments::Trial&) -> Result<const experiments::Trial*> {
     return &(*kept)[index]->trial;
   };
@@ -224,17 +233,60 @@ Result<Runs> live_run(const QualifyArguments& arguments, const LiveQualifyArgume
   return runs;
 }
 
+/// The same with the simulator as the pivot: each estimate is of the position after the move that follows it.
+Result<Runs> live_moves(const QualifyArguments& arguments, const LiveQualifyArguments& live,
+                        std::vector<experiments::Candidate>& candidates) {
+  auto algorithms = moving_algorithms(arguments, candidates);
+  if (!algorithms) return tl::unexpected(algorithms.error());
+  auto common = options_of(arguments, live);
+  if (!common) return tl::unexpected(common.error());
+  if (!live.ground_truth_topic.empty())
+    return fail("qualify.mode", "predict-then-move requests each actual position from the GVS, or from the plant",
+                "--ground-truth");
+  experiments::PredictThenMoveOptions options = move_options(arguments, *algorithms);
+  options.vehicles = common->vehicles;
+  options.speed_mps = common->speed_mps;
+  options.name = common->name;
+  experiments::PredictThenMove test{options};
+  MovedRuns moved;
+  auto recorded = drive(live, options.runs, test);
+  if (!recorded) return tl::unexpected(recorded.error());
+  moved.runs = std::move(*recorded);
+  moved.steps = test.steps();
+  moved.calls = test.calls();
+  for (auto& one : candidates) one = experiments::on_board(one.name, one.what, moved.runs);
+  common->algorithms = *algorithms;
+  Runs runs;
+  runs.count = moved.runs.size();
+  runs.on_track = true;
+  runs.complete = runs.count == options.runs;
+  runs.conditions = conditions_of(arguments, *common, test, runs.count);
+  runs.conditions.what += ", predict then move";
+  std::erase_if(runs.conditions.settings, [](const auto& setting) {
+    return setting.first == "requests" || setting.first == "distance of each run";
+  });
+  add_moves(arguments, moved, *algorithms, runs);
+  return runs;
+}
+
 }  // namespace
 
 int run_qualify_live(const QualifyArguments& arguments, const LiveQualifyArguments& live, std::size_t at_least) {
   const estimation::Registry registry;
-  auto candidates = candidates_of(arguments, registry, true, usual_algorithms(arguments, true, at_least));
+  auto usual = usual_algorithms(arguments, true, at_least);
+  // A smoother needs the whole run: it cannot estimate before a move.
+  std::erase_if(usual, [&](const std::string& name) {
+    const auto known = registry.find(name);
+    return predicts_then_moves(arguments) && known && (*known)->backtracks;
+  });
+  auto candidates = candidates_of(arguments, registry, true, usual);
   if (!candidates) return report_error(candidates.error());
   if (candidates->size() < at_least)
     return report_error({"compare.few", "a comparison needs at least two", "algorithms"});
   auto reference = reference_of(arguments);
   if (!reference) return report_error(reference.error());
-  const auto runs = live_run(arguments, live, *candidates, registry);
+  const auto runs = predicts_then_moves(arguments) ? live_moves(arguments, live, *candidates)
+                                                   : live_run(arguments, live, *candidates, registry);
   if (!runs) return report_error(runs.error());
   return evaluate(arguments, *candidates, *runs, std::move(*reference));
 }

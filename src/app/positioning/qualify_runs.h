@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cosiva/app/positioning/qualify_arguments.h"
 #include "cosiva/base/result.h"
@@ -17,7 +20,8 @@ struct Runs {
   bool on_track{};
   bool complete{true};  ///< as many as requested
   experiments::Conditions conditions;
-  std::shared_ptr<void> kept;  ///< what the source refers to
+  std::vector<std::pair<std::string, std::string>> files{};  ///< further files of the result: name and content
+  std::shared_ptr<void> kept;                                ///< what the source refers to
 };
 [[nodiscard]] Result<Runs> virtual_runs(const QualifyArguments& arguments);
 [[nodiscard]] Result<Runs> recorded_runs(const QualifyArguments& arguments);

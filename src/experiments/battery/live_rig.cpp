@@ -101,8 +101,10 @@ void LiveRig::on_report(SimTime now, std::size_t vehicle, std::string_view paylo
   if (!report->power || !procedure_.running(vehicle)) return;
   const wire::Power& power = *report->power;
   obey(procedure_.on_sample(
-           vehicle, {now, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
-                     0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, slot.odometer_m}),
+           vehicle,
+           {report->timestamp, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+            0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, slot.odometer_m},
+           now),
        responses);
 }
 
@@ -114,12 +116,24 @@ void LiveRig::on_ready(SimTime now, std::size_t vehicle, std::string_view payloa
     return;
   }
   Slot& slot = slots_[vehicle];
-  if (!slot.wanted) return;  // a service battery, or a battery that was not requested
+  if (!slot.wanted) return;  // a battery that was not requested
   clear_request(vehicle, responses);
-  obey(procedure_.on_ready(now, vehicle,
-                           {ready->battery, ready->type, ready->cycles, ready->rest_s, ready->temperature_c,
-                            0.01 * ready->charge_percent}),
-       responses);
+  BatteryTag tag{ready->battery, ready->type,          ready->cycles,
+                 ready->rest_s,  ready->temperature_c, 0.01 * ready->charge_percent};
+  // The vehicle reads neither type nor age: of an emulated battery the test knows both.
+  if (options_.emulated) {
+    tag.type = options_.emulated->type.name;
+    tag.cycles = cycles_of(procedure_.battery_of(procedure_.run(), vehicle));
+  }
+  obey(procedure_.on_ready(now, vehicle, tag), responses);
+}
+
+double LiveRig::cycles_of(std::size_t battery) const {
+  // Each full run so far was a cycle, less the remaining charge.
+  double cycles = 0.0;
+  for (const BatteryRun& record : procedure_.records())
+    if (record.battery == battery) cycles += record.tag.charge - record.charge_end;
+  return cycles;
 }
 
 void LiveRig::on_position(std::size_t vehicle, std::string_view payload) {
@@ -203,8 +217,9 @@ void LiveRig::request(std::size_t vehicle, std::size_t battery, const std::strin
   drive(vehicle, "stop", responses);
   slots_[vehicle].wanted = options_.batteries[battery];
   responses.messages.push_back({wire::own_topic(wire::battery_change_topic_prefix, options_.vehicles[vehicle]),
-                                to_json(wire::BatteryChange{options_.batteries[battery],
-                                                            static_cast<std::uint32_t>(procedure_.run() + 1), reason}),
+                                to_json(wire::BatteryRequest{{options_.batteries[battery],
+                                                              static_cast<std::uint32_t>(procedure_.run() + 1), reason},
+                                                             !options_.emulated}),
                                 1, true});
   put_in(vehicle, battery, responses);
 }
@@ -217,12 +232,8 @@ void LiveRig::clear_request(std::size_t vehicle, Responses& responses) {
 
 void LiveRig::put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const {
   if (!options_.emulated) return;
-  // Each full run so far was a cycle, less the remaining charge.
-  double cycles = 0.0;
-  for (const BatteryRun& record : procedure_.records())
-    if (battery && record.battery == *battery) cycles += record.tag.charge - record.charge_end;
   const std::string json = battery ? plant_battery_json(vehicle + 1, options_.batteries[*battery], &*options_.emulated,
-                                                        options_.seed * 1000 + *battery, cycles)
+                                                        options_.seed * 1000 + *battery, cycles_of(*battery))
                                    : plant_battery_json(vehicle + 1, "service", nullptr, 0, 0.0);
   responses.messages.push_back({std::string(wire::plant_command_topic), json, 1, false});
 }

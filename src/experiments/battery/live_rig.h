@@ -28,6 +28,8 @@ struct LiveRigOptions {
 };
 
 /// A battery test on a running platform, over its bus: each received message yields the messages and commands to send.
+/// changeBattery goes to the vehicle's own program, and batteryReady, rc and their dates come from it. Nothing else
+/// confirms a battery.
 /// The rig owns no link, clock or file, and its whole state can be saved after each call.
 ///
 /// Invariant: each vehicle of the procedure has a slot and a battery.
@@ -73,6 +75,7 @@ class LiveRig {
   void request(std::size_t vehicle, std::size_t battery, const std::string& reason, Responses& responses);
   void end(std::size_t vehicle, Responses& responses);
   void put_in(std::size_t vehicle, std::optional<std::size_t> battery, Responses& responses) const;
+  [[nodiscard]] double cycles_of(std::size_t battery) const;  ///< of an emulated one, before the present run
   void clear_request(std::size_t vehicle, Responses& responses);
   void drive(std::size_t vehicle, const char* command, Responses& responses) const;
   void on_report(SimTime now, std::size_t vehicle, std::string_view payload, Responses& responses);

@@ -33,9 +33,9 @@ LiveRigOptions two_by_hand() {
 }
 
 /// A vehicle's own report, twice per second, with this charge.
-std::string report(double charge) {
+std::string report(SimTime date, double charge) {
   wire::BoardsReport boards;
-  boards.timestamp = start_of_test;
+  boards.timestamp = date;
   wire::Power power;
   power.voltage_mv = 7400;
   power.current_ma = 1000;
@@ -46,8 +46,11 @@ std::string report(double charge) {
   return to_json(boards);
 }
 
-LiveRig::Responses print_report(LiveRig& rig, SimTime now, int number, double charge) {
-  return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)), report(charge));
+/// @param date  the vehicle's own; nothing: as the test's clock
+LiveRig::Responses print_report(LiveRig& rig, SimTime now, int number, double charge,
+                                std::optional<SimTime> date = {}) {
+  return rig.on_message(now, wire::own_topic(wire::boards_topic_prefix, aiv(number)),
+                        report(date.value_or(now), charge));
 }
 LiveRig::Responses publish_ready(LiveRig& rig, SimTime now, int number, const std::string& battery,
                                  double percent = 100.0) {
@@ -126,6 +129,31 @@ TEST(LiveRig, ends_each_at_its_floor_and_records_distance_and_autonomy) {
   EXPECT_NEAR(record.distance_m, 0.25 * 199, 1e-6);
   EXPECT_EQ(record.tag.id, "red");
   EXPECT_DOUBLE_EQ(record.tag.cycles, 3.0);
+}
+
+// The network delays each report by up to two seconds, and holds some back: the autonomy is that of the vehicle's
+// dates.
+TEST(LiveRig, takes_the_dates_of_samples_from_the_vehicle_and_not_from_their_reception) {
+  for (const auto clock_offset : {seconds{0}, seconds{7200}, seconds{-7200}}) {
+    LiveRig rig = running(two_by_hand());
+    std::ignore =
+        print_report(rig, start_of_test + milliseconds{1}, 1, 1.0, start_of_test + milliseconds{1} + clock_offset);
+    for (int half = 1; half <= 240; ++half) {
+      const SimTime taken = start_of_test + half * milliseconds{500};
+      std::ignore = print_report(rig, taken + milliseconds{(half * 617) % 2000}, 1, 1.0 - 0.6 * half / 240.0,
+                                 taken + clock_offset);
+    }
+    ASSERT_THAT(rig.procedure().records(), SizeIs(1)) << clock_offset.count();
+    EXPECT_NEAR(rig.procedure().records().front().autonomy_s, 100.0, 2e-3) << clock_offset.count();
+  }
+}
+
+TEST(LiveRig, requests_from_the_vehicle_itself_whether_a_person_fits_the_battery) {
+  LiveRigOptions options = two_by_hand();
+  EXPECT_TRUE(wire::battery_request_from_json(LiveRig{options}.start(start_of_test).messages[0].payload)->by_hand);
+  options.emulated =
+      BatteryUnderTest{*battery::shipped_type("lipo850"), {2, 1, 0.1}, battery::GaugeMethod::rest, true, 22.0};
+  EXPECT_FALSE(wire::battery_request_from_json(LiveRig{options}.start(start_of_test).messages[0].payload)->by_hand);
 }
 
 TEST(LiveRig, sends_ended_vehicles_to_the_named_station) {

@@ -10,22 +10,20 @@
 #include "cosiva/experiments/runs/world/fleet.h"
 #include "cosiva/wire/in_process/typed_message.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::experiments {
 namespace {
 
 constexpr SimDuration half_a_second = std::chrono::milliseconds{500};
-/// A report from before the battery change may still be in transit.
-constexpr SimDuration warm_up = std::chrono::seconds{2};
-
 std::string name_of(std::size_t vehicle) { return "AIV" + std::to_string(vehicle + 1); }
 
 }  // namespace
 
 struct PlatformRig::Impl {
   struct Slot {
-    std::optional<ProcedureCommand> change;  ///< requested, not yet reported ready
-    SimTime changed{};
+    std::optional<std::size_t> wanted;  ///< battery requested, not yet reported ready
+    std::optional<wire::BatteryReady> ready;
     std::optional<wire::BoardsReport> report;  ///< the last report, with its time of reception
     SimTime received{};
     bool fresh{false};
@@ -57,6 +55,13 @@ struct PlatformRig::Impl {
 
   void listen() {
     world->tap([this](SimTime at, const std::string& /*from*/, const wire::Publish& message) {
+      if (const auto ready = wire::parse_own_topic(wire::battery_ready_topic_prefix, message.topic)) {
+        for (std::size_t v = 0; v < slots.size(); ++v)
+          if (const auto read = wire::battery_ready_from_json(message.payload);
+              ready->serial_number == name_of(v) && read)
+            slots[v].ready = *read;
+        return;
+      }
       const auto vehicle = wire::parse_own_topic(wire::boards_topic_prefix, message.topic);
       if (!vehicle) return;
       for (std::size_t v = 0; v < slots.size(); ++v) {
@@ -96,10 +101,7 @@ struct PlatformRig::Impl {
       using Kind = ProcedureCommand::Kind;
       const std::string vehicle = "CoSiVA/" + name_of(command.vehicle);
       switch (command.kind) {
-        case Kind::change_battery:
-          slots[command.vehicle].change = command;
-          slots[command.vehicle].changed = {};
-          break;
+        case Kind::change_battery: request(command.vehicle, command.battery, command.text); break;
         case Kind::notify_operator: operator_messages.push_back(command.text); break;
         case Kind::run:
           slots[command.vehicle].ground_truth = {
@@ -125,30 +127,38 @@ struct PlatformRig::Impl {
     world->command_server(server_command_json("restart", "CoSiVA/" + name_of(v)));
   }
 
-  /// Vehicles whose battery is to be changed stop, all together; then the batteries are changed.
-  void change_batteries() {
+  static wire::Publish change_message(std::size_t v, std::string payload) {
+    const wire::VehicleId id{std::string(wire::our_manufacturer), name_of(v)};
+    return {wire::own_topic(wire::battery_change_topic_prefix, id), std::move(payload), 1, true};
+  }
+
+  /// changeBattery to the vehicle's own program, which is stopped; and the battery into its vehicle.
+  void request(std::size_t v, std::size_t battery, const std::string& reason) {
+    slots[v].wanted = battery;
+    slots[v].ready.reset();
+    world->command_server(server_command_json("stop", "CoSiVA/" + name_of(v)));
+    const wire::BatteryRequest wanted{{id_of(battery), static_cast<std::uint32_t>(procedure.run() + 1), reason}, false};
+    world->faults().publish_from_outside(change_message(v, to_json(wanted)));
+    put_in(v, battery);
+  }
+
+  /// batteryReady of the vehicles' own programs. Type and cycles are those of the test's battery; a vehicle reads
+  /// neither.
+  void take_ready() {
     for (std::size_t v = 0; v < slots.size(); ++v) {
-      Slot& slot = slots[v];
-      if (!slot.change) continue;
-      if (slot.changed == SimTime{}) {
-        world->command_server(server_command_json("stop", "CoSiVA/" + name_of(v)));
-        put_in(v, slot.change->battery);
-        slot.changed = world->now();
-        continue;
-      }
-      if (!slot.fresh || slot.received < slot.changed + warm_up) continue;
-      const std::size_t battery = slot.change->battery;
-      const wire::Power& power = *slot.report->power;
-      slot.change.reset();
+      const auto ready = std::exchange(slots[v].ready, std::nullopt);
+      if (!ready || !slots[v].wanted) continue;
+      const std::size_t battery = *std::exchange(slots[v].wanted, std::nullopt);
+      world->faults().publish_from_outside(change_message(v, {}));
       obey(procedure.on_ready(world->now(), v,
-                              {id_of(battery), options.battery.type.name, cycles[battery], to_seconds(options.service),
-                               0.1 * power.temperature_01C, power.charge()}));
+                              {ready->battery, options.battery.type.name, cycles[battery], to_seconds(options.service),
+                               ready->temperature_c, 0.01 * ready->charge_percent}));
     }
   }
 
   void step() {
     world->run_for(half_a_second);
-    change_batteries();
+    take_ready();
     const auto vehicles = world->plant().vehicles();
     const SimTime now = world->now();
     for (std::size_t v = 0; v < slots.size(); ++v) {
@@ -157,9 +167,11 @@ struct PlatformRig::Impl {
       record_ground_truth(slot, vehicles[v].charge, to_seconds(now - began) - slot.ground_truth.started_s);
       if (std::exchange(slot.fresh, false)) {
         const wire::Power& power = *slot.report->power;
-        obey(procedure.on_sample(v, {slot.received, power.charge(),
-                                     power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0, 0.001 * power.voltage_mv,
-                                     0.001 * power.current_ma, 0.1 * power.temperature_01C, vehicles[v].distance_m}));
+        obey(procedure.on_sample(
+            v,
+            {slot.report->timestamp, power.charge(), power.gauge ? 1e-4 * power.gauge->charge_sd_01 : 0.0,
+             0.001 * power.voltage_mv, 0.001 * power.current_ma, 0.1 * power.temperature_01C, vehicles[v].distance_m},
+            slot.received));
       }
       if (procedure.running(v) && vehicles[v].power.cut_off) obey(procedure.on_stop(now, v, StopCause::cut_off));
     }

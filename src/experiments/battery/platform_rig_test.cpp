@@ -12,6 +12,7 @@
 #include "cosiva/base/test_paths.h"
 #include "cosiva/experiments/battery/analysis.h"
 #include "cosiva/experiments/battery/load_profile.h"
+#include "cosiva/wire/own/battery_exchange.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -69,6 +70,32 @@ TEST(PlatformRig, runs_a_fleet_on_the_circuit_until_each_has_reached_its_floor) 
   EXPECT_TRUE(rig.world().plant().collisions().empty());
   ASSERT_EQ(rig.ground_truth().size(), 4U);
   for (const TrueEnd& end : rig.ground_truth()) EXPECT_NEAR(end.charge, 0.5, 0.05);
+}
+
+// changeBattery and batteryReady are messages of the vehicles' own programs. No other component confirms a battery.
+TEST(PlatformRig, exchanges_batteries_with_the_vehicles_own_programs) {
+  PlatformRig rig = started(lacet4(3), small(3));
+  std::vector<std::string> senders;
+  FaultInjection::Observer observer;
+  observer.on_effect = [&](Process from, const wire::Effect& effect) {
+    const auto* message = std::get_if<wire::Publish>(&effect);
+    if (message != nullptr && wire::parse_own_topic(wire::battery_ready_topic_prefix, message->topic))
+      senders.push_back("AIV" + std::to_string(from));
+  };
+  rig.world().faults().observe(std::move(observer));
+  for (int i = 0; i < 100 && !rig.procedure().running(0); ++i) rig.step();
+  EXPECT_TRUE(rig.procedure().running(0));
+  EXPECT_THAT(senders, ::testing::UnorderedElementsAre("AIV1", "AIV2", "AIV3"));
+}
+
+TEST(PlatformRig, waits_for_a_vehicle_whose_program_is_down) {
+  PlatformRig rig = started(lacet4(3), small(3));
+  rig.world().kill_aiv(2);
+  for (int i = 0; i < 60; ++i) rig.step();
+  EXPECT_FALSE(rig.procedure().running(0)) << "the battery of AIV2 was changed, but AIV2 has not confirmed it";
+  rig.world().start_aiv(2);
+  for (int i = 0; i < 60; ++i) rig.step();
+  EXPECT_TRUE(rig.procedure().running(0) && rig.procedure().running(1)) << "the retained request reaches it again";
 }
 
 TEST(PlatformRig, agrees_with_a_test_under_the_measured_loads) {

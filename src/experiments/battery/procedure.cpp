@@ -134,7 +134,6 @@ void end_curve(BatteryRun& record, const BatterySample& last) {
 }  // namespace
 
 void Procedure::book(ProcedureSlot& slot, const BatterySample& sample) const {
-  slot.received = sample.at;
   if (!slot.last) {
     slot.first_distance_m = sample.distance_m;
   } else {
@@ -161,13 +160,19 @@ void Procedure::record_end(const ProcedureSlot& slot, const BatterySample& sampl
   record.temperature_end_c = sample.temperature_c;
 }
 
-ProcedureCommands Procedure::on_sample(std::size_t vehicle, const BatterySample& sample) {
+ProcedureCommands Procedure::on_sample(std::size_t vehicle, BatterySample sample, std::optional<SimTime> received) {
   COSIVA_EXPECT(vehicle < slots_.size());
   ProcedureSlot& slot = slots_[vehicle];
+  if (!slot.last) {
+    const SimDuration offset = received ? sample.at - *received : SimDuration::zero();
+    slot.clock_offset = offset > clock_tolerance || -offset > clock_tolerance ? offset : SimDuration::zero();
+  }
+  sample.at -= slot.clock_offset;
   if (slot.phase != Phase::running || sample.at < slot.record.started) return {};
   if (slot.last && sample.at <= slot.last->at) return {};  // late or twice
   const double before_ah = slot.record.charge_ah;
   const double before_wh = slot.record.energy_wh;
+  slot.received = received.value_or(sample.at);
   book(slot, sample);
   if (sample.charge >= options_.floor) {
     slot.crossing.reset();
@@ -202,7 +207,7 @@ ProcedureCommands Procedure::on_stop(SimTime now, std::size_t vehicle, StopCause
   }
   BatterySample end = slot.last.value_or(BatterySample{});
   // A vehicle that reports its end itself was running until now; a lost vehicle, until its last report.
-  end.at = cause == StopCause::lost ? slot.received : now;
+  end.at = cause != StopCause::lost ? now : slot.last ? slot.last->at : slot.received;
   BatteryRun record = slot.record;
   record_end(slot, end, record);
   if (slot.last) end_curve(record, end);

@@ -28,7 +28,7 @@ struct BatteryTag {
 
 /// A running vehicle's report: {rc, sendMsg}.
 struct BatterySample {
-  SimTime at{};
+  SimTime at{};     ///< by the vehicle's own clock: the time stamp of its message
   double charge{};  ///< rc, 0…1
   double charge_sd{};
   double voltage_v{};
@@ -109,7 +109,8 @@ struct ProcedureSlot {
   std::optional<BatterySample> last;
   std::optional<FloorCrossing> crossing;  ///< below the floor since then
   double first_distance_m{};
-  SimTime received{};
+  SimTime received{};          ///< by the test's own clock
+  SimDuration clock_offset{};  ///< the vehicle's clock less the test's, where they are not synchronised
   std::optional<SimTime> pause_began;
   SimDuration paused{};
   SimDuration ran_since_pause{};
@@ -120,13 +121,18 @@ struct ProcedureSlot {
 /// Invariant: each vehicle has a slot.
 class Procedure {
  public:
+  static constexpr SimDuration clock_tolerance{std::chrono::seconds{1}};
   explicit Procedure(ProcedureOptions options);
 
   [[nodiscard]] ProcedureCommands start(SimTime now);
   /// A battery that is not full, too cold or too hot, or another than the requested one is refused: the operator gets
   /// the reason, and a new request.
   [[nodiscard]] ProcedureCommands on_ready(SimTime now, std::size_t vehicle, const BatteryTag& tag);
-  [[nodiscard]] ProcedureCommands on_sample(std::size_t vehicle, const BatterySample& sample);
+  /// A vehicle whose clock differs by more than clock_tolerance at a run's first sample is not synchronised with the
+  /// test: its dates are then counted from that sample, and only their differences are used.
+  /// @param received  by the test's clock; nothing: when the sample was taken
+  [[nodiscard]] ProcedureCommands on_sample(std::size_t vehicle, BatterySample sample,
+                                            std::optional<SimTime> received = {});
   /// The vehicle's run ended for another reason than the floor.
   [[nodiscard]] ProcedureCommands on_stop(SimTime now, std::size_t vehicle, StopCause cause);
   /// Detects lost vehicles, and begins and ends pauses.

@@ -31,7 +31,7 @@ void write_slot(JsonWriter& json, const ProcedureSlot& slot) {
   }
   json.field("first_distance_m", slot.first_distance_m);
   json.field("received_after_s", to_seconds(slot.received - slot.record.started));
-  json.key("pause_after_s");
+  json.field("clock_offset_s", to_seconds(slot.clock_offset)).key("pause_after_s");
   if (slot.pause_began)
     json.value(to_seconds(*slot.pause_began - slot.record.started));
   else
@@ -62,6 +62,7 @@ Result<ProcedureSlot> read_slot(const JsonValue& json) {
   }
   slot.first_distance_m = seconds(json, "first_distance_m");
   slot.received = slot.record.started + from_seconds(seconds(json, "received_after_s"));
+  slot.clock_offset = from_seconds(seconds(json, "clock_offset_s"));
   if (const auto pause = json.number("pause_after_s")) slot.pause_began = slot.record.started + from_seconds(*pause);
   slot.paused = from_seconds(seconds(json, "paused_s"));
   slot.ran_since_pause = from_seconds(seconds(json, "ran_s"));

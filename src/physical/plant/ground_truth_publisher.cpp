@@ -7,6 +7,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/actual_position.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::physical {
@@ -61,6 +62,21 @@ void GroundTruthPublisher::tick(SimTime at, bool publishes, std::span<const Vehi
     for (const Vehicle& vehicle : vehicles.subspan(first, count)) poses.detections.push_back(detection_of(vehicle, at));
     effects.emplace_back(wire::Publish{std::string(wire::reference_poses_topic), to_json(poses), 0, false});
   }
+}
+
+std::optional<wire::Publish> GroundTruthPublisher::actual_position(SimTime at, const wire::VehicleId& vehicle,
+                                                                   std::string_view request,
+                                                                   std::span<const Vehicle> vehicles) {
+  const auto read = wire::actual_position_request_from_json(request);
+  if (!read) return std::nullopt;
+  for (const Vehicle& one : vehicles) {
+    const wire::GvsDetections::Detection detection = detection_of(one, at);
+    if (detection.vehicle != wire::to_string(vehicle)) continue;
+    const wire::ActualPosition position{read->session, read->sequence, at, detection.pose, 0.0};
+    return wire::Publish{wire::own_topic(wire::plant_position_response_topic_prefix, vehicle), to_json(position), 0,
+                         false};
+  }
+  return std::nullopt;
 }
 
 }  // namespace cosiva::physical

@@ -19,7 +19,7 @@
 #include "cosiva/physical/plant/zone_exchange.h"
 #include "cosiva/wire/in_process/board_frames.h"
 #include "cosiva/wire/messages/topics.h"
-#include "cosiva/wire/own/battery_exchange.h"
+#include "cosiva/wire/own/actual_position.h"
 #include "cosiva/wire/runtime/snapshot.h"
 #include "cosiva/zone/rtm/rtm_builder.h"
 
@@ -133,7 +133,7 @@ struct PlantCore::Impl {
   void on_command(std::string_view json, std::size_t bytes_max, wire::Effects& effects);
   [[nodiscard]] std::optional<Error> obey(const JsonValue& command, wire::Effects& effects);
   [[nodiscard]] Result<Vehicle*> vehicle_of(const JsonValue& command);
-  [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given, wire::Effects& effects);
+  [[nodiscard]] std::optional<Error> change_battery(const JsonValue& given);
   [[nodiscard]] std::optional<Error> set_load(const JsonValue& given);
   [[nodiscard]] std::optional<Error> set_fault(const JsonValue& given);
   void take_over(const ZoneExchange::News& news);
@@ -188,7 +188,8 @@ void PlantCore::handle(const wire::Input& input, wire::Effects& effects) {
 }
 
 std::vector<std::string> PlantCore::subscriptions() const {
-  return {std::string(wire::plant_command_topic), wire::topics_below(wire::zone_topic_prefix, 1)};
+  return {std::string(wire::plant_command_topic), wire::topics_below(wire::zone_topic_prefix, 1),
+          wire::topics_below(wire::plant_position_request_topic_prefix, 2)};
 }
 
 void PlantCore::farewell(SimTime /*now*/, wire::Effects& /*effects*/) {
@@ -433,6 +434,12 @@ void PlantCore::Impl::on_link(const wire::Input& input) {
 
 void PlantCore::Impl::on_message(const wire::Input& input, wire::Effects& effects) {
   if (input.source == wire::plant_command_topic) return on_command(input.payload, message_bytes_max, effects);
+  if (const auto vehicle = wire::parse_own_topic(wire::plant_position_request_topic_prefix, input.source)) {
+    if (!options.publish_ground_truth) return;
+    if (auto position = ground_truth.actual_position(input.at, *vehicle, input.payload, vehicles))
+      effects.emplace_back(std::move(*position));
+    return;
+  }
   if (!input.source.starts_with(wire::zone_topic_prefix)) return;
   if (const auto news = exchange.on_message(input.source, input.payload, input.at, effects)) take_over(*news);
 }
@@ -476,7 +483,7 @@ std::optional<Error> PlantCore::Impl::obey(const JsonValue& command, wire::Effec
     take_over(*news);
     return std::nullopt;
   }
-  if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given, effects);
+  if (const JsonValue* given = command.find("changeBattery")) return change_battery(*given);
   if (const JsonValue* given = command.find("setLoad")) return set_load(*given);
   if (const JsonValue* given = command.find("setFault")) return set_fault(*given);
   return Error{"plant.command",
@@ -492,22 +499,13 @@ Result<Vehicle*> PlantCore::Impl::vehicle_of(const JsonValue& command) {
   return &vehicles[static_cast<std::size_t>(*number) - 1];
 }
 
-/// The battery changer confirms the change: batteryReady (A37).
-std::optional<Error> PlantCore::Impl::change_battery(const JsonValue& given, wire::Effects& effects) {
+/// What a person does to a vehicle. The vehicle's own program confirms the change, as it reads its RALI (A37).
+std::optional<Error> PlantCore::Impl::change_battery(const JsonValue& given) {
   const auto vehicle = vehicle_of(given);
   if (!vehicle) return vehicle.error();
   const auto change = battery_change_from_json(given);
   if (!change) return change.error();
-  PowerTrain& power = (*vehicle)->power();
-  power.change(*change);
-  const wire::VehicleId id{std::string(wire::our_manufacturer), "AIV" + std::to_string((*vehicle)->number())};
-  const wire::BatteryReady ready{change->history.id,
-                                 change->type.name,
-                                 given.number("cycles").value_or(0.0),
-                                 given.number("rest_s").value_or(0.0),
-                                 change->temperature_c,
-                                 100.0 * power.gauge().charge};
-  effects.emplace_back(wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, id), to_json(ready), 1, false});
+  (*vehicle)->power().change(*change);
   return std::nullopt;
 }
 

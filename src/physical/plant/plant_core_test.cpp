@@ -13,6 +13,7 @@
 #include "cosiva/physical/plant/plant_options.h"
 #include "cosiva/physical/plant/test_zones.h"
 #include "cosiva/wire/messages/topics.h"
+#include "cosiva/wire/own/actual_position.h"
 #include "cosiva/wire/own/gvs.h"
 
 namespace cosiva::physical {
@@ -336,10 +337,11 @@ TEST(Plant, accepts_every_shipped_battery_type_over_the_broker) {
     json.begin_object().key("changeBattery").begin_object().field("vehicle", 1).field("id", "B-" + name);
     json.field("type", battery::to_json(*battery::shipped_type(name))).end_object().end_object();
     fixture.published.clear();
+    const double before_v = fixture.ground_truth(1).power.voltage_v;
     fixture.feed(wire::InputKind::message, std::string(wire::plant_command_topic), json.take());
-    ASSERT_FALSE(fixture.published.empty()) << name;
-    EXPECT_EQ(fixture.published.back().topic, "cosiva/v1/battery/ready/CoSiVA/AIV1") << name;
-    EXPECT_NE(fixture.published.back().payload.find("B-" + name), std::string::npos) << name;
+    EXPECT_TRUE(fixture.logged.empty()) << name;
+    EXPECT_NE(fixture.ground_truth(1).power.voltage_v, before_v) << name;
+    EXPECT_TRUE(fixture.published.empty()) << "the plant confirms no battery: " << name;
   }
 }
 
@@ -358,6 +360,28 @@ TEST(Plant, publishes_reference_poses_once_a_second) {
   // At 0.5 m/s, since the message.
   EXPECT_LT(distance(poses->detections[0].pose, fixture.ground_truth(1).X_MB), 0.5 * 1.0);
   EXPECT_LT(distance(poses->detections[1].pose, fixture.ground_truth(2).X_MB), 1e-5);
+}
+
+// actualAIVposition of figures 16 and 17, where no GVS runs.
+TEST(Plant, responds_to_a_request_for_a_vehicle_s_actual_position) {
+  PlantFixture fixture{lacet4(), 2};
+  fixture.feed(wire::InputKind::link, "", "up");
+  fixture.drive(1, fast);
+  fixture.run_for(2s);
+  fixture.published.clear();
+  const std::string topic = "cosiva/v1/plant/actual_position/request/CoSiVA/AIV";
+  fixture.feed(wire::InputKind::message, topic + "1", R"({"session":"q/1","sequence":7})");
+  ASSERT_THAT(fixture.published, SizeIs(1));
+  EXPECT_EQ(fixture.published[0].topic, "cosiva/v1/plant/actual_position/response/CoSiVA/AIV1");
+  const auto position = wire::actual_position_from_json(fixture.published[0].payload);
+  ASSERT_TRUE(position) << to_string(position.error());
+  EXPECT_EQ(position->session, "q/1");
+  EXPECT_EQ(position->sequence, 7U);
+  EXPECT_LT(distance(position->X_MB, fixture.ground_truth(1).X_MB), 1e-5);
+  fixture.published.clear();
+  fixture.feed(wire::InputKind::message, topic + "9", R"({"session":"q/1","sequence":7})");
+  fixture.feed(wire::InputKind::message, topic + "1", "{");
+  EXPECT_THAT(fixture.published, SizeIs(0)) << "an unknown vehicle, and a request that cannot be read";
 }
 
 TEST(Plant, publishes_the_ground_truth_ten_times_a_second) {

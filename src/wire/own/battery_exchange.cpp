@@ -76,9 +76,13 @@ Result<BatteryTest> battery_test_from_json(std::string_view text) {
   return read_message<BatteryTest>(text, read, test_bytes_max);
 }
 
-std::string to_json(const BatteryChange& change) {
+std::string to_json(const BatteryChange& change) { return to_json(BatteryRequest{change, false}); }
+
+std::string to_json(const BatteryRequest& request) {
+  const BatteryChange& change = request.change;
   JsonWriter json;
   json.begin_object().field("battery", change.battery).field("run", change.run).field("reason", change.reason);
+  if (request.by_hand) json.field("byHand", true);
   return json.end_object().take();
 }
 
@@ -89,12 +93,19 @@ std::string to_json(const BatteryReady& ready) {
   return json.end_object().take();
 }
 
-Result<BatteryChange> battery_change_from_json(std::string_view text) {
-  return read_message<BatteryChange>(text, [](Fields& in, BatteryChange& change) {
-    in.text("battery", change.battery);
-    in.whole("run", change.run);
-    in.text("reason", change.reason);
+Result<BatteryRequest> battery_request_from_json(std::string_view text) {
+  return read_message<BatteryRequest>(text, [](Fields& in, BatteryRequest& request) {
+    in.text("battery", request.change.battery);
+    in.whole("run", request.change.run);
+    in.text("reason", request.change.reason);
+    if (in.optional("byHand") != nullptr) in.flag("byHand", request.by_hand);
   });
+}
+
+Result<BatteryChange> battery_change_from_json(std::string_view text) {
+  auto request = battery_request_from_json(text);
+  if (!request) return tl::unexpected(request.error());
+  return std::move(request->change);
 }
 
 Result<BatteryReady> battery_ready_from_json(std::string_view text) {

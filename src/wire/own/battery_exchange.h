@@ -17,8 +17,10 @@ namespace cosiva::wire {
 
 /// Test → vehicle and the person next to it, retained until the change is done: BatteryChange.
 inline constexpr std::string_view battery_change_topic_prefix = "cosiva/v1/battery/change/";
-/// Vehicle, or the program that changed its battery, → test: BatteryReady.
+/// The vehicle's own program → test: BatteryReady.
 inline constexpr std::string_view battery_ready_topic_prefix = "cosiva/v1/battery/ready/";
+/// Operator → vehicle: BatteryReady, as stated by the person that has fitted the battery.
+inline constexpr std::string_view battery_fitted_topic_prefix = "cosiva/v1/battery/fitted/";
 /// Test → any client that displays it, retained, at each change and once a second: BatteryTest. The last one, with
 /// `done`, is retained until another test begins.
 inline constexpr std::string_view battery_test_topic = "cosiva/v1/battery/test";
@@ -29,6 +31,13 @@ struct BatteryChange {
   std::uint32_t run{1};  ///< of the test, from 1 on
   std::string reason;    ///< why the present battery may not run; empty: its run is over
   friend bool operator==(const BatteryChange&, const BatteryChange&) = default;
+};
+
+/// The request as the vehicle reads it, from the same message.
+struct BatteryRequest {
+  BatteryChange change;
+  bool by_hand{false};  ///< a person fits the battery and confirms it: a full battery on board is not yet the right one
+  friend bool operator==(const BatteryRequest&, const BatteryRequest&) = default;
 };
 
 /// batteryReady: the battery that was fitted.
@@ -72,9 +81,11 @@ struct BatteryTest {
 
 [[nodiscard]] std::string to_json(const BatteryTest& test);
 [[nodiscard]] std::string to_json(const BatteryChange& change);
+[[nodiscard]] std::string to_json(const BatteryRequest& request);
 [[nodiscard]] std::string to_json(const BatteryReady& ready);
 /// Fail ("own.field", "json.…") as the readers of own_messages.h do.
 [[nodiscard]] Result<BatteryChange> battery_change_from_json(std::string_view json);
+[[nodiscard]] Result<BatteryRequest> battery_request_from_json(std::string_view json);
 [[nodiscard]] Result<BatteryReady> battery_ready_from_json(std::string_view json);
 [[nodiscard]] Result<BatteryTest> battery_test_from_json(std::string_view json);
 

@@ -26,6 +26,9 @@ TEST(BatteryExchange, reads_back_what_it_writes) {
     RC_ASSERT(battery_ready_from_json(to_json(ready)) == ready);
     const BatteryChange change{"B7", static_cast<std::uint32_t>(random.next()), random.chance(0.5) ? "too cold" : ""};
     RC_ASSERT(battery_change_from_json(to_json(change)) == change);
+    const BatteryRequest request{change, random.chance(0.5)};
+    RC_ASSERT(battery_request_from_json(to_json(request)) == request);
+    RC_ASSERT(battery_change_from_json(to_json(request)) == change);
     const auto time = [&] {
       return SimTime{std::chrono::milliseconds{1'700'000'000'000 + random.below(1'000'000'000)}};
     };

@@ -109,6 +109,7 @@ void read_estimate(Fields& in, const std::string& name, EstimateResponse::Estima
   read_pose(in, estimate.X_MB);
   read_covariance(in, estimate);
   in.number("along_m", -distance_m_max, distance_m_max, estimate.along_m);
+  own::read_part(in, "next", estimate.next, [](Fields& fields, Pose2& pose) { read_pose(fields, pose); });
   in.list("rectified", EstimateResponse::inputs_max, [&](const JsonValue& item, const std::string& which) {
     inside(in, item, name + "." + which,
            [&](Fields& fields) { read_rectified(fields, estimate.rectified.emplace_back()); });
@@ -166,6 +167,11 @@ void write(JsonWriter& json, const EstimateResponse::Estimate& estimate) {
       json.end_array();
     }
     if (estimate.along_m) json.field("along_m", *estimate.along_m);
+    if (estimate.next) {
+      json.key("next").begin_object();
+      write(json, *estimate.next);
+      json.end_object();
+    }
     json.key("rectified").begin_array();
     for (const EstimateResponse::Rectified& one : estimate.rectified) {
       json.begin_object().field("accepted", one.accepted);
@@ -185,7 +191,9 @@ std::string to_json(const EstimateRequest& request) {
   json.key("algorithms").begin_array();
   for (const std::string& name : request.algorithms) json.value(name);
   json.end_array().field("seed", request.seed).field("particles", request.particles);
-  return json.field("horizon", request.horizon).end_object().take();
+  json.field("horizon", request.horizon);
+  if (request.move_m > 0.0) json.field("move_m", request.move_m);
+  return json.end_object().take();
 }
 
 Result<EstimateRequest> estimate_request_from_json(std::string_view text) {
@@ -205,6 +213,7 @@ Result<EstimateRequest> estimate_request_from_json(std::string_view text) {
     in.whole("horizon", request.horizon);
     if (request.horizon == 0 || request.horizon > EstimateRequest::horizon_max)
       in.report_fault("horizon", "a number from 1 to " + std::to_string(EstimateRequest::horizon_max));
+    if (in.has("move_m")) in.number("move_m", 0.0, EstimateRequest::move_m_max, request.move_m);
   });
 }
 

@@ -34,6 +34,8 @@ struct EstimateRequest {
   std::uint64_t seed{1};                ///< likewise, for algorithms that draw random numbers; at most 2^53
   std::uint32_t particles{500};
   std::uint32_t horizon{4};
+  double move_m{0.0};  ///< of the next move, whose end is to be estimated as well; 0: none, at most move_m_max
+  static constexpr double move_m_max = 10.0;
   static constexpr std::size_t algorithms_max = 16;
   static constexpr std::uint32_t particles_max = 5000;  ///< the on-board program has other work to do
   static constexpr std::uint32_t horizon_max = 1000;
@@ -102,6 +104,7 @@ struct EstimateResponse {
     Pose2 X_MB;
     std::optional<std::array<double, 9>> covariance;  ///< of (x, y, heading), by rows; none: the algorithm states none
     std::optional<double> along_m;
+    std::optional<Pose2> next;         ///< X_MB at the end of the requested move, if the vehicle follows its path
     std::vector<Rectified> rectified;  ///< one for each reading of `told`
     friend bool operator==(const Estimate&, const Estimate&) = default;
   };

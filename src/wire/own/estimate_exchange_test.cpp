@@ -150,8 +150,13 @@ EstimateResponse whole_response() {
       {1.0, 2.0, 0.5}, 0.002, 0.02, "east", 0.25, {0.125, 0.25, 0.375, 0.02, 0.03, 0.004, 0.005, 0.006, 0.007}};
   response.inputs.emplace_back(EstimateResponse::Odometry{0.01, 0.125, 0.02});
   response.inputs.emplace_back(EstimateResponse::Reading{7, {1.5, -1.5}, {0.02, -0.001}});
-  response.estimates.push_back(
-      {"ekf", "", {1.25, -0.5, 0.75}, std::array<double, 9>{1, 2, 3, 4, 5, 6, 7, 8, 9}, 0.375, {{true, 0.5, 2}}});
+  response.estimates.push_back({"ekf",
+                                "",
+                                {1.25, -0.5, 0.75},
+                                std::array<double, 9>{1, 2, 3, 4, 5, 6, 7, 8, 9},
+                                0.375,
+                                Pose2{1.5, -0.5, 0.75},
+                                {{true, 0.5, 2}}});
   return response;
 }
 
@@ -174,7 +179,7 @@ TEST(EstimateExchange, is_written_as_its_document_shows) {
       ::testing::EndsWith(
           R"(_m":0.02,"left_m":-0.001}}],)"
           R"("estimates":[{"algorithm":"ekf","fault":"","x":1.25,"y":-0.5,"theta":0.75,"covariance":[1,2,3,4,5,6,7,8,9],)"
-          R"("along_m":0.375,"rectified":[{"accepted":true,"nis":0.5,"dimensions":2}]}]})"));
+          R"("along_m":0.375,"next":{"x":1.5,"y":-0.5,"theta":0.75},"rectified":[{"accepted":true,"nis":0.5,"dimensions":2}]}]})"));
 }
 
 TEST(EstimateExchange, states_of_an_algorithm_that_failed_only_its_fault) {
@@ -312,6 +317,7 @@ TEST(EstimateExchange, accepts_an_estimate_without_what_its_algorithm_does_not_s
   response.start->section.reset();
   response.estimates[0].covariance.reset();
   response.estimates[0].along_m.reset();
+  response.estimates[0].next.reset();
   response.estimates[0].rectified.assign(1, EstimateResponse::Rectified{});
   const std::string json = to_json(response);
   EXPECT_THAT(json, HasSubstr(R"("theta":0.75,"rectified":[{"accepted":false,"dimensions":0}]})"));

@@ -18,6 +18,8 @@ using std::chrono::milliseconds;
 constexpr SimDuration repeat_after = milliseconds{250};
 /// The ground truth arrives ten times per second; the fix after a run's last response is waited for.
 constexpr SimDuration last_ground_truth_max = std::chrono::seconds{1};
+/// The first run begins when it is known whether a GVS is in operation.
+constexpr SimDuration source_found_after = milliseconds{500};
 /// Number of stored fixes from before a run: the run begins between two fixes.
 constexpr std::size_t fixes_before = 20;
 /// A vehicle that restarts a run more often than this cannot be used.
@@ -51,7 +53,7 @@ std::string command_json(const char* command, const wire::VehicleId& vehicle, st
 
 }  // namespace
 
-LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)} {
+LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)}, source_{options_.ground_truth_topic} {
   for (const wire::VehicleId& vehicle : options_.vehicles) {
     slots_.emplace_back();
     slots_.back().vehicle = vehicle;
@@ -60,7 +62,9 @@ LiveRuns::LiveRuns(LiveRunsOptions options) : options_{std::move(options)} {
 }
 
 std::vector<std::string> LiveRuns::subscriptions() const {
-  return {wire::topics_below(wire::estimate_response_topic_prefix, 2), options_.ground_truth_topic};
+  std::vector<std::string> filters = source_.subscriptions();
+  filters.push_back(wire::topics_below(wire::estimate_response_topic_prefix, 2));
+  return filters;
 }
 
 void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
@@ -69,7 +73,11 @@ void LiveRuns::on_zone(std::shared_ptr<const zone::TrafficZone> zone) {
 }
 
 void LiveRuns::on_message(SimTime now, std::string_view topic, std::string_view payload) {
-  if (topic == options_.ground_truth_topic) return on_ground_truth(now, payload);
+  if (topic == source_.topic()) return on_ground_truth(now, payload);
+  if (source_.on_message(topic, payload)) {
+    for (Slot& slot : slots_) slot.ground_truth.clear();  // of another source
+    return;
+  }
   const auto vehicle = wire::parse_own_topic(wire::estimate_response_topic_prefix, topic);
   if (!vehicle) return;
   const auto slot = std::ranges::find(slots_, *vehicle, &Slot::vehicle);
@@ -117,6 +125,7 @@ void LiveRuns::on_response(SimTime now, Slot& slot, std::string_view payload) {
 }
 
 void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
+  source_.use();
   if (!slot.run) {
     COSIVA_EXPECT(!to_drive_.empty());
     slot.index = to_drive_.front();
@@ -132,6 +141,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   slot.sequence = 0;
   slot.waiting = false;
   slot.received = slot.moved = now;
+  if (!slot.ground_truth_received) slot.ground_truth_received = now;  // waited for from now on
   // AIV.move: a stopped vehicle drives on, at the requested speed.
   responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
   if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
@@ -173,9 +183,8 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
   const std::string seconds = std::to_string(options_.timeout / std::chrono::seconds{1}) + " s";
   if (now - slot.received > options_.timeout)
     return "no response for " + seconds + "; the vehicle may be offline, or of another version";
-  const SimTime ground_truth = std::max(slot.ground_truth_received.value_or(*began_), *began_);
-  if (now - ground_truth > options_.timeout)
-    return "no actual position of the vehicle on " + options_.ground_truth_topic + " for " + seconds;
+  if (now - slot.ground_truth_received.value_or(slot.received) > options_.timeout)
+    return "no actual position of the vehicle on " + source_.topic() + " for " + seconds;
   if (!map_id_.empty() && zones_.find(map_id_) == zones_.end() && now - *began_ > options_.timeout)
     return "the vehicle drives in zone '" + map_id_ + "', which no program publishes";
   if (now - slot.moved > options_.stopped_max)
@@ -185,7 +194,8 @@ std::optional<std::string> LiveRuns::missing(SimTime now, const Slot& slot) cons
 
 void LiveRuns::supervise(SimTime now, Slot& slot, Responses& responses) {
   if (!slot.run) {
-    if (!to_drive_.empty()) begin(now, slot, responses);
+    // The GVS's connection is retained, and arrives with the subscription.
+    if (!to_drive_.empty() && now - *began_ >= source_found_after) begin(now, slot, responses);
     return;
   }
   if (slot.session.empty()) {

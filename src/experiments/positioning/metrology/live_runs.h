@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cosiva/base/time.h"
-#include "cosiva/experiments/positioning/metrology/live_run.h"
+#include "cosiva/experiments/positioning/metrology/platform_test.h"
 #include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/own/estimate_exchange.h"
 #include "cosiva/wire/runtime/core.h"
@@ -30,7 +30,8 @@ struct LiveRunsOptions {
   std::optional<double> speed_mps;  ///< commanded speed of the vehicles; none: their present speed
   /// The topic of the vehicles' actual positions: {"timestamp","vehicles":[{"number","x","y","heading"}…]} from the
   /// plant, or {"detections":[{"vehicle":"CoSiVA/AIV1","at","x","y","heading"}…]} from a global vision system.
-  std::string ground_truth_topic{std::string(wire::ground_truth_topic)};
+  /// Empty: the GVS where one is in operation, otherwise the plant (GroundTruthSource).
+  std::string ground_truth_topic{};
   SimDuration gap_max{
       std::chrono::milliseconds{500}};  ///< greatest distance of stamps between which the ground truth is interpolated
   SimDuration timeout{std::chrono::seconds{10}};     ///< a vehicle without a response for this time is lost
@@ -38,56 +39,40 @@ struct LiveRunsOptions {
   std::string name;  ///< of this test, among all tests that the vehicles receive requests of
 };
 
-/// The scenarios of figures 16 and 17 on a running platform, over its bus (A33, A35): each received message yields the
-/// messages and commands to send. The test owns no link, clock or file. In each run the move is commanded, and until
+/// The scenarios of figures 16 and 17 on a running platform, over its bus (A33, A35), with vehicles that
+/// drive on. In each run the move is commanded, and until
 /// the vehicle has driven TDTmax, requests for its nextEstimatedPosition are sent repeatedly and its responses
 /// recorded; the actual position comes from the global vision system, or from the plant instead. A lost request is
 /// repeated; a vehicle that restarts repeats the run; a lost vehicle leaves its run to the others.
 ///
 /// Invariant: each run waits, is driven by one vehicle, or is complete.
-class LiveRuns {
+class LiveRuns final : public PlatformTest {
  public:
-  struct Responses {
-    std::vector<wire::Publish> messages;
-    std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
-    std::vector<std::string> operator_messages;  ///< to the operator
-  };
   explicit LiveRuns(LiveRunsOptions options);
 
-  [[nodiscard]] std::vector<std::string> subscriptions() const;
-  /// A published zone: the vehicles name the zone that they drive in.
-  void on_zone(std::shared_ptr<const zone::TrafficZone> zone);
-  void on_message(SimTime now, std::string_view topic, std::string_view payload);
-  /// To be called about a hundred times per second.
-  [[nodiscard]] Responses tick(SimTime now);
-  /// Ended by its operator: the complete runs count.
-  void give_up();
+  [[nodiscard]] std::vector<std::string> subscriptions() const override;
+  void on_zone(std::shared_ptr<const zone::TrafficZone> zone) override;
+  void on_message(SimTime now, std::string_view topic, std::string_view payload) override;
+  [[nodiscard]] Responses tick(SimTime now) override;
+  void give_up() override;
 
-  [[nodiscard]] bool done() const;
-  /// The complete runs, in the order of their seeds.
-  [[nodiscard]] std::vector<std::shared_ptr<const LiveRun>> take_runs();
-  /// Why there are fewer runs than requested: a line per lost vehicle.
-  [[nodiscard]] const std::vector<std::string>& losses() const { return losses_; }
-  /// Number of responses without a known actual position.
-  [[nodiscard]] std::size_t without_ground_truth() const { return without_ground_truth_; }
-  [[nodiscard]] std::size_t repeated() const { return repeated_; }  ///< requests
-  [[nodiscard]] const std::string& map_id() const { return map_id_; }
-
-  struct Progress {
-    std::size_t complete{};
-    double ratio{};  ///< of the distance of all runs
-    std::optional<double> left_s;
-  };
-  [[nodiscard]] Progress progress(SimTime now) const;
+  [[nodiscard]] bool done() const override;
+  [[nodiscard]] std::vector<std::shared_ptr<const LiveRun>> take_runs() override;
+  [[nodiscard]] const std::vector<std::string>& losses() const override { return losses_; }
+  [[nodiscard]] std::size_t without_ground_truth() const override { return without_ground_truth_; }
+  [[nodiscard]] std::size_t repeated() const override { return repeated_; }
+  [[nodiscard]] const std::string& map_id() const override { return map_id_; }
+  [[nodiscard]] const GroundTruthSource& source() const override { return source_; }
+  [[nodiscard]] Progress progress(SimTime now) const override;
 
  private:
   struct Slot {
     wire::VehicleId vehicle;
     bool lost{false};
-    std::vector<TrueFix> ground_truth;  ///< since its run began
-    std::optional<SimTime> ground_truth_received;
-    std::optional<RunLog> run;  ///< none: the vehicle waits for a run
-    std::size_t index{};        ///< of the run
+    std::vector<TrueFix> ground_truth;             ///< since its run began
+    std::optional<SimTime> ground_truth_received;  ///< or its run began, where there is none yet
+    std::optional<RunLog> run;                     ///< none: the vehicle waits for a run
+    std::size_t index{};                           ///< of the run
     std::string session;
     std::uint32_t sequence{};
     bool waiting{false};  ///< for the response
@@ -107,6 +92,7 @@ class LiveRuns {
   [[nodiscard]] std::optional<std::string> missing(SimTime now, const Slot& slot) const;
 
   LiveRunsOptions options_;
+  GroundTruthSource source_;
   std::vector<Slot> slots_;
   std::deque<std::size_t> to_drive_;
   std::map<std::size_t, std::shared_ptr<const LiveRun>> complete_;

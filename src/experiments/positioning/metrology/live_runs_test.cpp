@@ -10,9 +10,11 @@
 #include <string>
 
 #include "cosiva/aiv/estimation/registry.h"
+#include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/runs/world/world.h"
+#include "cosiva/wire/own/gvs.h"
 #include "cosiva/zone/rtm/rtm.h"
 #include "cosiva/zone/testing/test_zones.h"
 
@@ -40,6 +42,8 @@ class Fixture {
     world_ = std::move(*made);
     runs_.on_zone(zone::Rtm::initialise(world.zone)->shared_zone());
     world_->tap([this](SimTime at, const std::string&, const wire::Publish& message) {
+      if (detections && message.topic == wire::ground_truth_topic)
+        runs_.on_message(at, wire::gvs_detections_topic, to_json(detections(*JsonValue::parse(message.payload))));
       for (const std::string& filter : runs_.subscriptions()) {
         if (wire::topic_matches(filter, message.topic) && !(deaf && deaf(message.topic)) && !random_.chance(loss_))
           runs_.on_message(at, message.topic, message.payload);
@@ -62,7 +66,8 @@ class Fixture {
   World& world() { return *world_; }
   LiveRuns& runs() { return runs_; }
 
-  std::function<bool(std::string_view topic)> deaf;  ///< messages to drop
+  std::function<bool(std::string_view topic)> deaf;                       ///< messages to drop
+  std::function<wire::GvsDetections(const JsonValue& fixes)> detections;  ///< of a GVS, from the plant's ground truth
   std::string operator_messages;
 
  private:
@@ -127,6 +132,43 @@ TEST(LiveRuns, record_the_vehicles_estimates_with_their_actual_positions) {
   EXPECT_LT(kalman.rmse_m.value, 0.006);
   EXPECT_GT(reckoning.rmse_m.value, 2.0 * kalman.rmse_m.value);
   EXPECT_LT(std::fabs(kalman.along_bias_m), 0.003) << "the stamps of both sides agree";
+}
+
+/// A GVS over the zone, whose detections are 0.25 m to the left of the actual positions: a planted error.
+void run_with_gvs(Fixture& fixture, bool connected) {
+  const auto connection = [](wire::ConnectionState state) {
+    return to_json(wire::GvsConnection{state, virtual_epoch, "a test's camera", ""});
+  };
+  fixture.runs().on_message(fixture.world().now(), wire::gvs_connection_topic,
+                            connection(connected ? wire::ConnectionState::online : wire::ConnectionState::offline));
+  fixture.detections = [](const JsonValue& fixes) {
+    wire::GvsDetections image{1, *parse_iso8601(*fixes.text("timestamp")), 0.1, {}, {}};
+    for (const JsonValue& one : *fixes.find("vehicles")->array()) {
+      const Pose2 X_MB{*one.number("x"), *one.number("y"), *one.number("heading")};
+      const auto number = std::to_string(static_cast<int>(*one.number("number")));
+      image.detections.push_back({"CoSiVA/AIV" + number, 1, image.timestamp, X_MB * Pose2{0.0, 0.25, 0.0}, 0.001});
+    }
+    return image;
+  };
+  fixture.run(seconds{60});
+}
+
+TEST(LiveRuns, take_the_actual_positions_from_the_gvs_where_one_is_in_operation) {
+  for (const bool connected : {true, false}) {
+    Fixture fixture{options_of({aiv(1)}, 1, 3.0, {"arc_kalman"})};
+    run_with_gvs(fixture, connected);
+    const auto runs = fixture.runs().take_runs();
+    ASSERT_THAT(runs, SizeIs(1)) << fixture.operator_messages;
+    const auto all = evaluated({"arc_kalman"}, runs);
+    ASSERT_TRUE(all);
+    if (connected) {
+      EXPECT_EQ(fixture.runs().source().name(), "GVS, a test's camera");
+      EXPECT_NEAR(all->algorithms[0].rmse_m.value, 0.25, 0.01) << "the GVS's planted error, not the plant's";
+    } else {
+      EXPECT_THAT(fixture.runs().source().name(), HasSubstr("the plant's ground truth"));
+      EXPECT_LT(all->algorithms[0].rmse_m.value, 0.006);
+    }
+  }
 }
 
 TEST(LiveRuns, give_on_board_bit_for_bit_the_estimates_of_the_same_algorithm_elsewhere) {
@@ -263,9 +305,14 @@ TEST(LiveRun, reports_a_diverged_algorithm_and_keeps_the_results_of_the_others) 
     response.travelled_m = 0.02 * i;
     response.inputs.clear();
     if (i > 0) response.inputs.emplace_back(wire::EstimateResponse::Odometry{0.02, 0.0, 0.05});
-    response.estimates = {
-        {"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, {}},
-        {"bad", i < 20 ? "" : "the estimate has diverged", {0.0, 0.0, 0.0}, std::nullopt, std::nullopt, {}}};
+    response.estimates = {{"good", "", {0.02 * i, 0.0, 0.0}, std::nullopt, std::nullopt, std::nullopt, {}},
+                          {"bad",
+                           i < 20 ? "" : "the estimate has diverged",
+                           {0.0, 0.0, 0.0},
+                           std::nullopt,
+                           std::nullopt,
+                           std::nullopt,
+                           {}}};
     log.add(response);
     response.start.reset();
     ground_truth.push_back({response.timestamp, {0.02 * i, 0.003, 0.0}});

@@ -119,7 +119,7 @@ Result<wire::Publish> BatteryTestRelay::ready(const BatteryReadyCommand& command
   const auto requested = changes_.find(vehicle);
   if (requested == changes_.end())
     return fail("battery.not_requested", "no test wants a battery changed in '" + vehicle.substr(0, 80) + "' now");
-  return wire::Publish{wire::own_topic(wire::battery_ready_topic_prefix, requested->second.vehicle), to_json(ready), 1,
+  return wire::Publish{wire::own_topic(wire::battery_fitted_topic_prefix, requested->second.vehicle), to_json(ready), 1,
                        false};
 }
 

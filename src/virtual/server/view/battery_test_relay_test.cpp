@@ -110,7 +110,7 @@ TEST_F(BatteryFixture, batteryReady_goes_to_the_requesting_test_with_defaults_fo
   fixture.published.clear();
   fixture.send_command(in);
   ASSERT_THAT(fixture.published, SizeIs(1));
-  EXPECT_EQ(fixture.published[0].topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_EQ(fixture.published[0].topic, "cosiva/v1/battery/fitted/CoSiVA/AIV1");
   EXPECT_FALSE(fixture.published[0].retained);
   EXPECT_EQ(wire::battery_ready_from_json(fixture.published[0].payload),
             (wire::BatteryReady{"red", "unknown", 0.0, 0.0, 22.0, 100.0}));
@@ -323,7 +323,7 @@ TEST_F(BatteryRelay, publishes_batteryReady_with_each_field_of_the_command) {
   command.charge_percent = 99.5;
   const auto ready = relay.ready(command);
   ASSERT_TRUE(ready.has_value());
-  EXPECT_EQ(ready->topic, "cosiva/v1/battery/ready/CoSiVA/AIV1");
+  EXPECT_EQ(ready->topic, "cosiva/v1/battery/fitted/CoSiVA/AIV1");
   EXPECT_EQ(ready->payload,
             R"({"battery":"red","type":"leaf33","cycles":12,"rest_s":3600,"temperature":21.5,"charge":99.5})");
   EXPECT_EQ(ready->qos, 1);
