@@ -72,7 +72,7 @@ EXCEPTIONS = {
         "turn_blend_": "derived",
     },
     "PowerTrain": {"cart_": "constant"},
-    "Session": {"id_": "constant", "as_values_": "constant", "topics_": "constant"},
+    "ServerProxy": {"id_": "constant", "as_values_": "constant", "topics_": "constant"},
     "AgentProxy": {"agent_": "constant"},
     "FleetProxies": {"as_values_": "constant", "intent_topic_": "derived"},
     "StateReporter": {"serial_number_": "constant", "state_period_": "constant", "visualization_period_": "constant"},

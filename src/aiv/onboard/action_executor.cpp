@@ -49,7 +49,7 @@ void ActionExecutor::on_message(SimTime now, std::string_view payload, DrivingCo
   const auto message = wire::vda5050::decode_instant_actions(payload);
   if (!message)
     return parts_.reporter.refuse("validationError", "instantActions", to_string(message.error()), {}, effects);
-  if (auto accepted = parts_.session.accepts(message->header); !accepted) {
+  if (auto accepted = parts_.server_proxy.accepts(message->header); !accepted) {
     return parts_.reporter.refuse(
         "validationError", "instantActions", to_string(accepted.error()),
         {{"topic", "instantActions"}, {"headerId", std::to_string(message->header.header_id)}}, effects);
@@ -221,7 +221,7 @@ void ActionExecutor::enable_map(const Call& call) {
 }
 
 void ActionExecutor::request_factsheet(const Call& call) {
-  parts_.reporter.publish_factsheet(call.now, call.context.zone(), parts_.session, call.effects);
+  parts_.reporter.publish_factsheet(call.now, call.context.zone(), parts_.server_proxy, call.effects);
   set(call.action, finished);
 }
 

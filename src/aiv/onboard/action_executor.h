@@ -9,10 +9,10 @@
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/position_store.h"
-#include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
 #include "cosiva/aiv/order/instant_actions.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/aiv/partners/server_selection.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/runtime/core.h"
@@ -25,14 +25,14 @@ namespace cosiva::aiv {
 /// A stopPause that was sent before the last startPause is refused: the network has delayed it, and a Stop outranks it.
 /// Senders' clocks may step back; so one that is older by more than `delay_max` is performed.
 ///
-/// Invariant: after end_waits() cancelOrder, joinLine, backUp, move and selfTest run only while they are still performed. At
-/// most InstantActionBook::shown_max actions wait for a zone.
+/// Invariant: after end_waits() cancelOrder, joinLine, backUp, move and selfTest run only while they are still
+/// performed. At most InstantActionBook::shown_max actions wait for a zone.
 class ActionExecutor {
  public:
   static constexpr SimDuration delay_max{std::chrono::seconds{10}};
   /// The other parts of the vehicle that actions act upon. All outlive the executor.
   struct Parts {
-    Session& session;
+    ServerProxy& server_proxy;
     StateReporter& reporter;
     PositionStore& positions;
     DriveCycle& drive_cycle;

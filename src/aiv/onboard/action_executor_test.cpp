@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cosiva/aiv/onboard/factsheet.h"
 #include "cosiva/aiv/onboard/test_instructions.h"
 #include "cosiva/aiv/testing/test_orders.h"
 
@@ -16,7 +17,7 @@ using wire::ActionStatus;
 using testing::HasSubstr;
 
 struct ActionExecutorTest : test::InstructionTest {
-  ActionExecutorTest() { session.set_online(true); }
+  ActionExecutorTest() { server_proxy.set_online(true); }
   [[nodiscard]] const std::string& last_result() const { return actions.book().states().back().result_description; }
   [[nodiscard]] const wire::ActionState& state_of(std::string_view id) const {
     return *std::ranges::find(actions.book().states(), id, &wire::ActionState::action_id);
@@ -41,7 +42,7 @@ struct ActionExecutorTest : test::InstructionTest {
     const ReportSources sources{now,           &context.agent(), maps,           zones.refusal(),
                                 boards,        supervision,      actions.book(), reporter.warnings(),
                                 boards.power()};
-    reporter.publish_state(sources, false, session, effects);
+    reporter.publish_state(sources, false, server_proxy, effects);
     return !effects.empty();
   }
 
@@ -302,7 +303,7 @@ TEST_F(ActionExecutorTest, publishes_the_factsheet_on_request) {
   act(action::factsheet_request, "f", &context);
   EXPECT_EQ(last_status(), ActionStatus::finished);
   ASSERT_EQ(effects.size(), 1U);
-  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, session.topics().factsheet);
+  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, server_proxy.topics().factsheet);
 }
 
 TEST_F(ActionExecutorTest, backs_up_and_stops_backing_up) {

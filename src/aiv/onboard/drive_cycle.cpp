@@ -6,8 +6,8 @@
 namespace cosiva::aiv {
 
 DriveCycle::DriveCycle(const Supervision& supervision, VirtualPerception& perception, V2xParticipant& v2x,
-                       BoardsLink& boards, Session& session)
-    : supervision_{supervision}, perception_{perception}, v2x_{v2x}, boards_{boards}, session_{session} {}
+                       BoardsLink& boards, ServerProxy& server_proxy)
+    : supervision_{supervision}, perception_{perception}, v2x_{v2x}, boards_{boards}, server_proxy_{server_proxy} {}
 
 void DriveCycle::run(SimTime now, DrivingContext& context, wire::Effects& effects) {
   Agent& agent = context.agent();
@@ -21,7 +21,7 @@ void DriveCycle::run(SimTime now, DrivingContext& context, wire::Effects& effect
   COSIVA_EXPECT(agent.vehicle().holds().has(Hold::board_lost) == supervision_.any_board_lost(now));
   const wire::Drive drive = agent.decide();
   boards_.send(wire::Board::PILS, context.zone().circuit.indirect() ? turned_round(drive) : drive, effects);
-  perception_.publish_change(now, context, session_, effects);
+  perception_.publish_change(now, context, server_proxy_, effects);
 }
 
 /// The last ranges are of what is behind the vehicle.

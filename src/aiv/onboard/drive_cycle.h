@@ -2,10 +2,10 @@
 
 #include "cosiva/aiv/onboard/boards_link.h"
 #include "cosiva/aiv/onboard/driving_context.h"
-#include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/v2x_participant.h"
 #include "cosiva/aiv/onboard/virtual_perception.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 
 namespace cosiva::aiv {
 
@@ -17,7 +17,7 @@ namespace cosiva::aiv {
 class DriveCycle {
  public:
   DriveCycle(const Supervision& supervision, VirtualPerception& perception, V2xParticipant& v2x, BoardsLink& boards,
-             Session& session);
+             ServerProxy& server_proxy);
 
   void run(SimTime now, DrivingContext& context, wire::Effects& effects);
 
@@ -29,7 +29,7 @@ class DriveCycle {
   VirtualPerception& perception_;
   V2xParticipant& v2x_;
   BoardsLink& boards_;
-  Session& session_;
+  ServerProxy& server_proxy_;
 };
 
 }  // namespace cosiva::aiv

@@ -15,8 +15,8 @@ struct DriveCycleTest : ::testing::Test {
   wire::VehicleId id{"CoSiVA", "AIV1"};
   V2xParticipant v2x{id, true};
   BoardsLink boards{1};
-  Session session{id, wire::default_interface};
-  DriveCycle cycle{supervision, perception, v2x, boards, session};
+  ServerProxy server_proxy{id, wire::default_interface};
+  DriveCycle cycle{supervision, perception, v2x, boards, server_proxy};
   DrivingContext context{lacet4(), {}};
   wire::Effects effects;
 

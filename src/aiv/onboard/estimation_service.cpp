@@ -20,14 +20,15 @@ std::optional<Estimating::CurrentEstimate> estimate_of(const DrivingContext& con
 
 }  // namespace
 
-void EstimationService::on_request(SimTime now, std::string_view payload, Session& session, wire::Effects& effects) {
+void EstimationService::on_request(SimTime now, std::string_view payload, ServerProxy& server_proxy,
+                                   wire::Effects& effects) {
   auto request = wire::estimate_request_from_json(payload);
   if (!request) {
     errors_.report("request", "a request for estimates that cannot be read: " + to_string(request.error()), effects);
     return;
   }
   estimating_.on_request(now, std::move(*request));
-  publish(session, effects);
+  publish(server_proxy, effects);
 }
 
 void EstimationService::on_odometry(SimTime now, const wire::Odometry& odometry, DrivingContext& context) {
@@ -56,8 +57,8 @@ void EstimationService::on_tag(SimTime now, const wire::TagRead& tag, const Driv
   estimating_.on_tag(tag.number, now - std::chrono::milliseconds{tag.age_ms}, context.zone(), position.pose());
 }
 
-void EstimationService::publish(Session& session, wire::Effects& effects) {
-  if (auto json = estimating_.take_response()) session.publish_estimate(std::move(*json), effects);
+void EstimationService::publish(ServerProxy& server_proxy, wire::Effects& effects) {
+  if (auto json = estimating_.take_response()) server_proxy.publish_estimate(std::move(*json), effects);
 }
 
 void EstimationService::archive(Archive& archive) { archive(estimating_, pils_clock_, errors_); }

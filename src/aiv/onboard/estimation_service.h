@@ -3,7 +3,7 @@
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/error_log.h"
 #include "cosiva/aiv/onboard/estimating.h"
-#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/messages/board.h"
 #include "cosiva/wire/runtime/core.h"
@@ -16,13 +16,13 @@ namespace cosiva::aiv {
 /// Invariant: the agent takes each odometry once, before the algorithms do, and no reading is dated after its arrival.
 class EstimationService {
  public:
-  void on_request(SimTime now, std::string_view payload, Session& session, wire::Effects& effects);
+  void on_request(SimTime now, std::string_view payload, ServerProxy& server_proxy, wire::Effects& effects);
   /// Passes odometry to the agent and to the algorithms.
   void on_odometry(SimTime now, const wire::Odometry& odometry, DrivingContext& context);
   /// Before the agent takes the reading.
   void on_tag(SimTime now, const wire::TagRead& tag, const DrivingContext& context);
   void on_zone_switched() { estimating_.on_zone_switched(); }
-  void publish(Session& session, wire::Effects& effects);
+  void publish(ServerProxy& server_proxy, wire::Effects& effects);
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:

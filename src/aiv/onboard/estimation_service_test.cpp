@@ -17,11 +17,11 @@ using test::lacet4;
 struct EstimationServiceTest : ::testing::Test {
   EstimationService estimation;
   DrivingContext context{lacet4(), {}};
-  Session session{{"CoSiVA", "AIV1"}, wire::default_interface};
+  ServerProxy server_proxy{{"CoSiVA", "AIV1"}, wire::default_interface};
   wire::Effects effects;
 
   EstimationServiceTest() {
-    session.set_online(true);
+    server_proxy.set_online(true);
     context.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.5));
   }
 };
@@ -36,8 +36,8 @@ TEST_F(EstimationServiceTest, passes_odometry_to_the_agent_once) {
 }
 
 TEST_F(EstimationServiceTest, logs_a_request_that_cannot_be_read_once) {
-  estimation.on_request(SimTime{}, "{", session, effects);
-  estimation.on_request(SimTime{}, "{", session, effects);
+  estimation.on_request(SimTime{}, "{", server_proxy, effects);
+  estimation.on_request(SimTime{}, "{", server_proxy, effects);
   EXPECT_EQ(effects.size(), 1U);
 }
 
@@ -46,13 +46,13 @@ TEST_F(EstimationServiceTest, responds_to_a_request_with_the_next_odometry) {
   request.session = "s";
   request.sequence = 1;
   request.algorithms = {"no such algorithm"};
-  estimation.on_request(SimTime{}, to_json(request), session, effects);
+  estimation.on_request(SimTime{}, to_json(request), server_proxy, effects);
   EXPECT_TRUE(effects.empty());
   estimation.on_odometry(SimTime{}, {}, context);
-  estimation.publish(session, effects);
+  estimation.publish(server_proxy, effects);
   ASSERT_EQ(effects.size(), 1U);
   EXPECT_TRUE(std::holds_alternative<wire::Publish>(effects[0]));
-  estimation.publish(session, effects);
+  estimation.publish(server_proxy, effects);
   EXPECT_EQ(effects.size(), 1U);
 }
 
@@ -73,14 +73,14 @@ struct EstimationSessionTest : EstimationServiceTest {
     next.session = "s";
     next.sequence = ++sequence;
     next.algorithms = {"dead_reckoning"};
-    estimation.on_request(now, to_json(next), session, effects);
+    estimation.on_request(now, to_json(next), server_proxy, effects);
   }
   /// The inputs in the response to a request that is sent now, with the reading that follows.
   std::vector<wire::EstimateResponse::Input> inputs_with(double distance_m = 0.0) {
     request();
     read(distance_m);
     effects.clear();
-    estimation.publish(session, effects);
+    estimation.publish(server_proxy, effects);
     EXPECT_EQ(effects.size(), 1U);
     if (effects.empty()) return {};
     const auto response = wire::estimate_response_from_json(std::get<wire::Publish>(effects[0]).payload);
@@ -143,7 +143,7 @@ TEST_F(EstimationSessionTest, has_no_position_to_begin_with_before_the_vehicle_h
   request();
   estimation.on_odometry(now, odometry, lost);
   estimation.on_tag(now, {0, 1, 0}, lost);
-  estimation.publish(session, effects);
+  estimation.publish(server_proxy, effects);
   ASSERT_EQ(effects.size(), 1U);
   EXPECT_NE(std::get<wire::Publish>(effects[0]).payload.find("position is not known"), std::string::npos);
 }

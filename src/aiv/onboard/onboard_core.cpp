@@ -12,12 +12,12 @@
 #include "cosiva/aiv/onboard/estimation_service.h"
 #include "cosiva/aiv/onboard/order_receiver.h"
 #include "cosiva/aiv/onboard/position_store.h"
-#include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/v2x_participant.h"
 #include "cosiva/aiv/onboard/virtual_perception.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/aiv/partners/server_selection.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
@@ -70,13 +70,13 @@ struct OnboardCore::Parts {
       : options{std::move(o)},
         boards{options.number, options.as_values, options.rali},
         supervision{options.link_timeout, options.rali},
-        session{options.id, options.interface_name, options.as_values},
+        server_proxy{options.id, options.interface_name, options.as_values},
         reporter{options},
         positions{options},
         v2x{options.id, options.v2x, v2x_mode_of(options)},
-        drive_cycle{supervision, perception, v2x, boards, session},
-        actions{{session, reporter, positions, drive_cycle, zones, server, boards}},
-        orders{{session, reporter, actions, drive_cycle, zones}, options.cycle} {}
+        drive_cycle{supervision, perception, v2x, boards, server_proxy},
+        actions{{server_proxy, reporter, positions, drive_cycle, zones, server, boards}},
+        orders{{server_proxy, reporter, actions, drive_cycle, zones}, options.cycle} {}
 
   void archive(Archive& archive);
   void on_restore(const wire::Input& input, wire::Effects& effects);
@@ -116,7 +116,7 @@ struct OnboardCore::Parts {
   OnboardOptions options;
   BoardsLink boards;
   Supervision supervision;
-  Session session;
+  ServerProxy server_proxy;
   ServerSelection server;
   ZoneSelection zones;
   std::unique_ptr<DrivingContext> context;  ///< none before a zone is known
@@ -142,11 +142,11 @@ void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& eff
 
 void OnboardCore::Parts::on_link(const wire::Input& input, wire::Effects& effects) {
   const bool up = input.payload == "up";
-  session.set_online(up);
+  server_proxy.set_online(up);
   if (!up) return;
   supervision.on_broker_message(input.at);
-  session.publish(input.at, wire::ConnectionState::online, effects);
-  if (context) reporter.publish_factsheet(input.at, context->zone(), session, effects);
+  server_proxy.publish(input.at, wire::ConnectionState::online, effects);
+  if (context) reporter.publish_factsheet(input.at, context->zone(), server_proxy, effects);
   reporter.request_report();
   perception.request_response();
 }
@@ -178,7 +178,7 @@ void OnboardCore::Parts::on_frames(SimTime now, const wire::BoardFrames& frames,
     on_board_messages(now, of_board.front().board, of_board, &wire::BoardFrames::Frame::message, effects);
     // As after each board's bytes; after the last board's frames handle() does.
     if (next < frames.frames().size() && reporter.state_due(now))
-      reporter.publish_state(sources(now), starting_up(now), session, effects);
+      reporter.publish_state(sources(now), starting_up(now), server_proxy, effects);
   }
 }
 
@@ -196,11 +196,11 @@ void OnboardCore::Parts::on_board_messages(SimTime now, wire::Board board, const
   }
   if (const auto restarted = boards.take_restarted()) reporter.report_restart(*restarted, effects);
   if (boards.take_new_ranges()) publish_detection(now, effects);
-  experiments.estimation.publish(session, effects);
+  experiments.estimation.publish(server_proxy, effects);
 }
 
 void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& effects) {
-  switch (session.deliver(input.source, server.topics())) {
+  switch (server_proxy.deliver(input.source, server.topics())) {
     case ServerMessage::none: break;
     case ServerMessage::heartbeat:
       // A retained heartbeat is of unknown age.
@@ -210,7 +210,9 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
     case ServerMessage::order: orders.on_order(input, context.get(), effects); break;
     case ServerMessage::instant_actions: actions.on_message(input.at, input.payload, context.get(), effects); break;
     case ServerMessage::connection: on_server_connection(input, effects); break;
-    case ServerMessage::estimate_request: experiments.estimation.on_request(input.at, input.payload, session, effects); break;
+    case ServerMessage::estimate_request:
+      experiments.estimation.on_request(input.at, input.payload, server_proxy, effects);
+      break;
     case ServerMessage::battery_change: report(experiments.battery.on_request(input.payload), effects); break;
     case ServerMessage::battery_fitted: report(experiments.battery.on_fitted(input.payload), effects); break;
     case ServerMessage::owner: on_owner(input, effects); break;
@@ -272,7 +274,7 @@ void OnboardCore::Parts::on_board(SimTime now, const wire::Power& power) {
 void OnboardCore::Parts::on_virtual_bodies(const wire::Input& input, wire::Effects& effects) {
   if (!context || !perception.on_bodies(input.at, input, *context, effects)) return;
   drive_cycle.run(input.at, *context, effects);
-  perception.acknowledge(input.at, *context, session, effects);
+  perception.acknowledge(input.at, *context, server_proxy, effects);
 }
 
 void OnboardCore::Parts::on_owner(const wire::Input& input, wire::Effects& effects) {
@@ -327,7 +329,7 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
   if (boards.power()) context->agent().on_charge(boards.power()->charge());
   positions.on_first_zone(*context, effects);
   actions.on_first_zone(now, *context, effects);
-  reporter.publish_factsheet(now, context->zone(), session, effects);
+  reporter.publish_factsheet(now, context->zone(), server_proxy, effects);
 }
 
 void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
@@ -344,7 +346,7 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   v2x.on_zone_switched();
   positions.on_zone_switched(*context);
   reporter.request_report();
-  reporter.publish_factsheet(now, context->zone(), session, effects);
+  reporter.publish_factsheet(now, context->zone(), server_proxy, effects);
   const PositionEstimator& position = context->vehicle().position();
   const auto off_by = std::to_string(position.off_path_estimator().off_by_m()) + " m";
   const bool away = position.pose_known() && !position.known();
@@ -357,7 +359,7 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
 
 void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
   boards.on_tick(now, effects);
-  if (supervision.take_link_check(now)) session.publish(now, wire::LinkCheck{}, effects);
+  if (supervision.take_link_check(now)) server_proxy.publish(now, wire::LinkCheck{}, effects);
   if (is_idle(context.get()) && supervision.release_server() && context) context->virtual_bodies().forget();
   if (context) {
     drive_cycle.run(now, *context, effects);
@@ -371,15 +373,15 @@ void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
     }
     positions.on_tick(now, *context, effects);
     reporter.update_display(now, context->agent(), boards, effects);
-    reporter.publish_visualization(now, *context, session, effects);
+    reporter.publish_visualization(now, *context, server_proxy, effects);
     if (v2x.update_cell(*context)) subscribe(v2x, server, effects);
-    v2x.publish_intent(now, *context, session.online(), effects);
+    v2x.publish_intent(now, *context, server_proxy.online(), effects);
     v2x.publish_claims(now, *context, effects);
   }
   if (const auto ready = experiments.battery.take_ready(now, !context || context->vehicle().motion().stopped()))
-    session.publish(*ready, effects);
+    server_proxy.publish(*ready, effects);
   if (reporter.boards_report_due(now) && !starting_up(now))
-    reporter.publish_boards_report(sources(now), boards.ranges(), v2x.proxies(), session, effects);
+    reporter.publish_boards_report(sources(now), boards.ranges(), v2x.proxies(), server_proxy, effects);
   reporter.compare_flags(flags_of(sources(now)));
 }
 
@@ -395,7 +397,7 @@ void OnboardCore::Parts::publish_detection(SimTime now, wire::Effects& effects) 
                                    vehicle.position().pose() * X_BS, vehicle.watch().reach_m());
   if (!detection) return;
   detection->map_id = zone.name;
-  session.publish(now, std::move(*detection), effects);
+  server_proxy.publish(now, std::move(*detection), effects);
 }
 
 bool OnboardCore::Parts::starting_up(SimTime now) const {
@@ -447,13 +449,13 @@ void OnboardCore::handle(const wire::Input& input, wire::Effects& effects) {
   COSIVA_EXPECT(parts.zones.maps().empty() == (parts.context == nullptr));
   // A state is due after one input in fifty.
   if (parts.reporter.state_due(now_))
-    parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.session, effects);
+    parts.reporter.publish_state(parts.sources(now_), parts.starting_up(now_), parts.server_proxy, effects);
   parts.boards.flush(effects);
 }
 
 std::vector<std::string> OnboardCore::subscriptions() const {
   // The owner comes first: of the zones that a broker retains, a restored position belongs to the owner's.
-  const SessionTopics& topics = parts_->session.topics();
+  const ServerProxyTopics& topics = parts_->server_proxy.topics();
   return {topics.owner,
           topics.order,
           topics.instant_actions,
@@ -467,7 +469,7 @@ std::vector<std::string> OnboardCore::subscriptions() const {
           wire::topics_below(wire::zone_topic_prefix, 1)};
 }
 
-std::optional<wire::Will> OnboardCore::will() const { return parts_->session.will(now_); }
+std::optional<wire::Will> OnboardCore::will() const { return parts_->server_proxy.will(now_); }
 
 void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
   now_ = now;
@@ -477,7 +479,7 @@ void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
     parts_->boards.send(wire::Board::PILS, stop, effects);
     parts_->positions.save_now(*context, effects);
   }
-  parts_->session.publish(now, wire::ConnectionState::offline, effects);
+  parts_->server_proxy.publish(now, wire::ConnectionState::offline, effects);
   parts_->boards.flush(effects);
 }
 
@@ -530,7 +532,7 @@ double OnboardCore::estimated_speed_mps() const {
 }
 
 void OnboardCore::Parts::archive(Archive& archive) {
-  archive(boards, supervision, session, server, zones);
+  archive(boards, supervision, server_proxy, server, zones);
   bool in_zone = context != nullptr;
   archive(in_zone);
   if (archive.reads()) {

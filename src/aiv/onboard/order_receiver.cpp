@@ -26,7 +26,7 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
   const auto refuse = [&](std::string type, std::string why) {
     reporter.refuse(std::move(type), "order", std::move(why), std::move(references), effects);
   };
-  if (auto accepted = parts_.session.accepts(order.header); !accepted)
+  if (auto accepted = parts_.server_proxy.accepts(order.header); !accepted)
     return refuse("validationError", to_string(accepted.error()));
   if (context == nullptr) return refuse("noRouteError", "no zone is known yet");
   VehicleState& vehicle = context->vehicle();

@@ -3,9 +3,9 @@
 #include "cosiva/aiv/onboard/action_executor.h"
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
-#include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -17,7 +17,7 @@ class OrderReceiver {
  public:
   /// The other parts of the vehicle. All outlive the receiver.
   struct Parts {
-    Session& session;
+    ServerProxy& server_proxy;
     StateReporter& reporter;
     ActionExecutor& actions;
     DriveCycle& drive_cycle;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cosiva/aiv/onboard/factsheet.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
@@ -42,37 +43,38 @@ void StateReporter::compare_flags(const ReportFlags& flags) {
   flags_ = flags;
 }
 
-void StateReporter::publish_state(const ReportSources& sources, bool starting_up, Session& session,
+void StateReporter::publish_state(const ReportSources& sources, bool starting_up, ServerProxy& server_proxy,
                                   wire::Effects& effects) {
-  if (!session.online()) return;
+  if (!server_proxy.online()) return;
   if (!published_at_ && starting_up) return;
   if (!state_due(sources.now)) return;
   const SimDuration since = published_at_ ? sources.now - *published_at_ : SimDuration::max();
   COSIVA_EXPECT(since >= std::min(state_interval_min, state_period_) || since < SimDuration::zero());
-  session.publish(sources.now, compose_state(sources), effects);
+  server_proxy.publish(sources.now, compose_state(sources), effects);
   published_at_ = sources.now;
   requested_ = false;
 }
 
-void StateReporter::publish_visualization(SimTime now, const DrivingContext& context, Session& session,
+void StateReporter::publish_visualization(SimTime now, const DrivingContext& context, ServerProxy& server_proxy,
                                           wire::Effects& effects) {
   if (!visualization_timer_.take(now) || !context.vehicle().position().pose_known()) return;
-  session.publish(now, compose_visualization(context.agent(), context.zone().name), effects);
+  server_proxy.publish(now, compose_visualization(context.agent(), context.zone().name), effects);
 }
 
 void StateReporter::publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
-                                          const FleetProxies& fleet, Session& session, wire::Effects& effects) {
+                                          const FleetProxies& fleet, ServerProxy& server_proxy,
+                                          wire::Effects& effects) {
   if (!boards_timer_.take(sources.now)) return;
   wire::BoardsReport report = compose_boards_report(sources, ranges);
   report.affi = displayed_;
   report.proxies = fleet.counts();
-  report.proxies.insert(report.proxies.begin(), session.counts());
-  session.publish(sources.now, std::move(report), effects);
+  report.proxies.insert(report.proxies.begin(), server_proxy.counts());
+  server_proxy.publish(sources.now, std::move(report), effects);
 }
 
-void StateReporter::publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session,
+void StateReporter::publish_factsheet(SimTime now, const zone::TrafficZone& zone, ServerProxy& server_proxy,
                                       wire::Effects& effects) const {
-  session.publish(now, make_factsheet(zone, {state_period_, state_interval_min, visualization_period_}), effects);
+  server_proxy.publish(now, make_factsheet(zone, {state_period_, state_interval_min, visualization_period_}), effects);
 }
 
 void StateReporter::update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects) {

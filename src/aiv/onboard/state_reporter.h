@@ -11,8 +11,8 @@
 #include "cosiva/aiv/onboard/onboard_options.h"
 #include "cosiva/aiv/onboard/periodic.h"
 #include "cosiva/aiv/onboard/report.h"
-#include "cosiva/aiv/onboard/session.h"
 #include "cosiva/aiv/onboard/warnings.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/aiv/v2x/fleet_proxies.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/time.h"
@@ -46,12 +46,14 @@ class StateReporter {
     return since >= (requested_ ? state_interval_min : state_period_) || since < SimDuration::zero();
   }
   /// @param starting_up  the boards have not responded yet: the first state waits for them
-  void publish_state(const ReportSources& sources, bool starting_up, Session& session, wire::Effects& effects);
-  void publish_visualization(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  void publish_state(const ReportSources& sources, bool starting_up, ServerProxy& server_proxy, wire::Effects& effects);
+  void publish_visualization(SimTime now, const DrivingContext& context, ServerProxy& server_proxy,
+                             wire::Effects& effects);
   [[nodiscard]] bool boards_report_due(SimTime now) const { return boards_timer_.due(now); }
   void publish_boards_report(const ReportSources& sources, const std::optional<wire::Ranges>& ranges,
-                             const FleetProxies& fleet, Session& session, wire::Effects& effects);
-  void publish_factsheet(SimTime now, const zone::TrafficZone& zone, Session& session, wire::Effects& effects) const;
+                             const FleetProxies& fleet, ServerProxy& server_proxy, wire::Effects& effects);
+  void publish_factsheet(SimTime now, const zone::TrafficZone& zone, ServerProxy& server_proxy,
+                         wire::Effects& effects) const;
   void update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects);
   /// A board has started anew; the display of PRAV is empty then.
   void report_restart(wire::Board board, wire::Effects& effects);

@@ -15,20 +15,20 @@ struct StateReporterTest : ::testing::Test {
   StateReporter reporter{options};
   BoardsLink boards{1};
   Supervision supervision{milliseconds{500}};
-  Session session{options.id, options.interface_name};
+  ServerProxy server_proxy{options.id, options.interface_name};
   InstantActionBook actions;
   std::vector<wire::MapInfo> maps;
   std::string refusal;
   wire::Effects effects;
 
-  StateReporterTest() { session.set_online(true); }
+  StateReporterTest() { server_proxy.set_online(true); }
   /// How many states are published at this time.
   std::size_t states_at(int ms, bool starting_up = false) {
     effects.clear();
     const SimTime now{milliseconds{ms}};
     const ReportSources sources{
         now, nullptr, maps, refusal, boards, supervision, actions, reporter.warnings(), boards.power()};
-    reporter.publish_state(sources, starting_up, session, effects);
+    reporter.publish_state(sources, starting_up, server_proxy, effects);
     return effects.size();
   }
 };
@@ -49,7 +49,7 @@ TEST_F(StateReporterTest, reports_every_second_and_on_request_after_50_ms_at_the
 }
 
 TEST_F(StateReporterTest, publishes_nothing_without_the_broker) {
-  session.set_online(false);
+  server_proxy.set_online(false);
   EXPECT_EQ(states_at(0), 0U);
 }
 
@@ -109,11 +109,11 @@ TEST_F(StateReporterTest, publishes_the_boards_report_twice_a_second_with_the_co
     const SimTime now{milliseconds{ms}};
     reporter.publish_boards_report(
         {now, nullptr, maps, refusal, boards, supervision, actions, reporter.warnings(), boards.power()}, std::nullopt,
-        fleet, session, effects);
+        fleet, server_proxy, effects);
     return effects.size();
   };
   EXPECT_EQ(reports_at(0), 1U);
-  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, session.topics().boards);
+  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, server_proxy.topics().boards);
   const auto report = wire::boards_report_from_json(std::get<wire::Publish>(effects[0]).payload);
   ASSERT_TRUE(report);
   EXPECT_THAT(report->proxies,
@@ -128,20 +128,20 @@ TEST_F(StateReporterTest, publishes_the_visualization_in_its_period_once_the_pos
   DrivingContext context{test::lacet4(), {}};
   const auto published_at = [&](int ms) {
     effects.clear();
-    reporter.publish_visualization(SimTime{milliseconds{ms}}, context, session, effects);
+    reporter.publish_visualization(SimTime{milliseconds{ms}}, context, server_proxy, effects);
     return effects.size();
   };
   EXPECT_EQ(published_at(0), 0U);
   context.vehicle().estimator().position_at(test::at(test::lacet4(), "loop_se", 0.5));
   EXPECT_EQ(published_at(99), 0U);
   EXPECT_EQ(published_at(100), 1U);
-  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, session.topics().visualization);
+  EXPECT_EQ(std::get<wire::Publish>(effects[0]).topic, server_proxy.topics().visualization);
   EXPECT_EQ(published_at(199), 0U);
   EXPECT_EQ(published_at(200), 1U);
 }
 
 TEST_F(StateReporterTest, publishes_a_factsheet_with_its_own_intervals) {
-  reporter.publish_factsheet(SimTime{}, test::lacet4(), session, effects);
+  reporter.publish_factsheet(SimTime{}, test::lacet4(), server_proxy, effects);
   ASSERT_EQ(effects.size(), 1U);
   EXPECT_THAT(std::get<wire::Publish>(effects[0]).payload,
               testing::HasSubstr(R"("minStateInterval":0.05,"defaultStateInterval":1,"visualizationInterval":0.1})"));

@@ -20,13 +20,13 @@ struct InstructionTest : ::testing::Test {
   VirtualPerception perception;
   V2xParticipant v2x{options.id, true};
   BoardsLink boards{1};
-  Session session{options.id, options.interface_name};
+  ServerProxy server_proxy{options.id, options.interface_name};
   StateReporter reporter{options};
   PositionStore positions{options};
   ZoneSelection zones;
   ServerSelection server;
-  DriveCycle drive_cycle{supervision, perception, v2x, boards, session};
-  ActionExecutor actions{{session, reporter, positions, drive_cycle, zones, server, boards}};
+  DriveCycle drive_cycle{supervision, perception, v2x, boards, server_proxy};
+  ActionExecutor actions{{server_proxy, reporter, positions, drive_cycle, zones, server, boards}};
   DrivingContext context{lacet4(), {}};
   wire::Effects effects;
 

@@ -36,13 +36,13 @@ bool VirtualPerception::on_bodies(SimTime now, const wire::Input& input, Driving
   return true;
 }
 
-void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, Session& session,
+void VirtualPerception::acknowledge(SimTime now, const DrivingContext& context, ServerProxy& server_proxy,
                                     wire::Effects& effects) {
   const bool responded =
       response_.decided == now && response_.virtual_obstacles_header_id == context.virtual_bodies().header_id();
   const bool other_body = context.agent().decision().braking_for_virtual && contact_.body != response_.body;
   const bool due = std::exchange(ack_due_, false) || other_body;
-  if (due && !responded) respond(now, context, session, effects);
+  if (due && !responded) respond(now, context, server_proxy, effects);
 }
 
 void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& context) {
@@ -57,12 +57,13 @@ void VirtualPerception::update(SimTime now, bool server_lost, DrivingContext& co
   context.agent().perceive(contact_.gap_m);
 }
 
-void VirtualPerception::publish_change(SimTime now, const DrivingContext& context, Session& session,
+void VirtualPerception::publish_change(SimTime now, const DrivingContext& context, ServerProxy& server_proxy,
                                        wire::Effects& effects) {
-  if (context.agent().decision().braking_for_virtual != response_.braking) respond(now, context, session, effects);
+  if (context.agent().decision().braking_for_virtual != response_.braking) respond(now, context, server_proxy, effects);
 }
 
-void VirtualPerception::respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects) {
+void VirtualPerception::respond(SimTime now, const DrivingContext& context, ServerProxy& server_proxy,
+                                wire::Effects& effects) {
   response_ = {
       context.virtual_bodies().header_id(), now, context.agent().decision().braking_for_virtual, {}, std::nullopt};
   if (response_.braking) {
@@ -70,7 +71,7 @@ void VirtualPerception::respond(SimTime now, const DrivingContext& context, Sess
     response_.distance_m = contact_.gap_m;
   }
   COSIVA_EXPECT(response_.braking == response_.distance_m.has_value());
-  session.publish(response_, effects);
+  server_proxy.publish(response_, effects);
 }
 
 void VirtualPerception::on_zone_switched() {

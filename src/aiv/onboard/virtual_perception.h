@@ -2,7 +2,7 @@
 
 #include "cosiva/aiv/onboard/driving_context.h"
 #include "cosiva/aiv/onboard/error_log.h"
-#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/runtime/core.h"
@@ -18,13 +18,13 @@ class VirtualPerception {
   /// True: the list is accepted, and the vehicle has to decide and then to acknowledge().
   [[nodiscard]] bool on_bodies(SimTime now, const wire::Input& input, DrivingContext& context, wire::Effects& effects);
   /// Responds to the list that was accepted last, unless nothing has changed.
-  void acknowledge(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  void acknowledge(SimTime now, const DrivingContext& context, ServerProxy& server_proxy, wire::Effects& effects);
 
   /// Before a decision: which body is the first in the corridor.
   /// @param server_lost  no news can arrive: the list does not expire
   void update(SimTime now, bool server_lost, DrivingContext& context);
   /// After a decision: responds where braking for a virtual body has begun or ended.
-  void publish_change(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  void publish_change(SimTime now, const DrivingContext& context, ServerProxy& server_proxy, wire::Effects& effects);
 
   /// The server is new or has lost its state: the next list is acknowledged in any case.
   void request_response() { ack_due_ = true; }
@@ -32,7 +32,7 @@ class VirtualPerception {
   void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
-  void respond(SimTime now, const DrivingContext& context, Session& session, wire::Effects& effects);
+  void respond(SimTime now, const DrivingContext& context, ServerProxy& server_proxy, wire::Effects& effects);
 
   PerceivedWorld::Contact contact_;     ///< at the last decision
   wire::VirtualObstaclesAck response_;  ///< the last one

@@ -17,11 +17,11 @@ using test::lacet4;
 struct VirtualPerceptionTest : ::testing::Test {
   VirtualPerception perception;
   DrivingContext context{lacet4(), {}};
-  Session session{{"CoSiVA", "AIV1"}, wire::default_interface};
+  ServerProxy server_proxy{{"CoSiVA", "AIV1"}, wire::default_interface};
   wire::Effects effects;
   SimTime now{std::chrono::seconds{100}};
 
-  VirtualPerceptionTest() { session.set_online(true); }
+  VirtualPerceptionTest() { server_proxy.set_online(true); }
   /// True: the list was accepted. Then the vehicle has decided and acknowledged.
   bool list(std::uint32_t header_id, const std::string& map_id = "lacet4", bool retained = false) {
     effects.clear();
@@ -32,7 +32,7 @@ struct VirtualPerceptionTest : ::testing::Test {
     const wire::Input input{now, wire::InputKind::message, "", wire::to_json(bodies), retained};
     if (!perception.on_bodies(now, input, context, effects)) return false;
     perception.update(now, false, context);
-    perception.acknowledge(now, context, session, effects);
+    perception.acknowledge(now, context, server_proxy, effects);
     return true;
   }
 };
@@ -93,7 +93,7 @@ TEST_F(VirtualPerceptionTest, does_not_acknowledge_the_same_list_twice_at_the_sa
 TEST_F(VirtualPerceptionTest, acknowledges_the_list_s_number_at_the_time_of_the_decision) {
   EXPECT_TRUE(list(5));
   const auto& publish = std::get<wire::Publish>(effects.at(0));
-  EXPECT_EQ(publish.topic, session.topics().virtual_obstacles_ack);
+  EXPECT_EQ(publish.topic, server_proxy.topics().virtual_obstacles_ack);
   EXPECT_EQ(wire::virtual_obstacles_ack_from_json(publish.payload).value(),
             (wire::VirtualObstaclesAck{5, now, false, "", std::nullopt}));
 }
@@ -144,7 +144,7 @@ struct VirtualBrakingTest : VirtualPerceptionTest {
 TEST_F(VirtualBrakingTest, names_the_body_for_which_it_brakes_and_the_distance) {
   receive(5, {body("far", 0.6), body("near", 0.3)});
   decide();
-  perception.acknowledge(now, context, session, effects);
+  perception.acknowledge(now, context, server_proxy, effects);
   const auto all = responses();
   ASSERT_EQ(all.size(), 1U);
   EXPECT_EQ(all[0].virtual_obstacles_header_id, 5U);
@@ -158,17 +158,17 @@ TEST_F(VirtualBrakingTest, names_the_body_for_which_it_brakes_and_the_distance) 
 TEST_F(VirtualBrakingTest, acknowledges_a_list_by_which_it_brakes_for_another_body) {
   receive(5, {body("a", 0.3), body("b", 0.5)});
   decide();
-  perception.acknowledge(now, context, session, effects);
+  perception.acknowledge(now, context, server_proxy, effects);
   EXPECT_EQ(responses().size(), 1U);
   now += std::chrono::milliseconds{100};
   receive(6, {body("a", 0.3), body("b", 0.5)});
   decide();
-  perception.acknowledge(now, context, session, effects);
+  perception.acknowledge(now, context, server_proxy, effects);
   EXPECT_TRUE(responses().empty());
   now += std::chrono::milliseconds{100};
   receive(7, {body("a", 0.5), body("b", 0.3)});
   decide();
-  perception.acknowledge(now, context, session, effects);
+  perception.acknowledge(now, context, server_proxy, effects);
   const auto all = responses();
   ASSERT_EQ(all.size(), 1U);
   EXPECT_EQ(all[0].body, "b");
@@ -176,25 +176,25 @@ TEST_F(VirtualBrakingTest, acknowledges_a_list_by_which_it_brakes_for_another_bo
 
 TEST_F(VirtualBrakingTest, responds_once_when_braking_begins_and_once_when_it_ends) {
   decide();
-  perception.publish_change(now, context, session, effects);
+  perception.publish_change(now, context, server_proxy, effects);
   EXPECT_TRUE(responses().empty());
   receive(5, {body("a", 0.3)});
   decide();
-  perception.publish_change(now, context, session, effects);
+  perception.publish_change(now, context, server_proxy, effects);
   const auto begun = responses();
   ASSERT_EQ(begun.size(), 1U);
   EXPECT_TRUE(begun[0].braking);
-  perception.acknowledge(now, context, session, effects);
+  perception.acknowledge(now, context, server_proxy, effects);
   EXPECT_TRUE(responses().empty()) << "the list has its response already";
   now += std::chrono::milliseconds{1001};
   decide();
-  perception.publish_change(now, context, session, effects);
+  perception.publish_change(now, context, server_proxy, effects);
   const auto ended = responses();
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_FALSE(ended[0].braking);
   EXPECT_EQ(ended[0].body, "");
   EXPECT_FALSE(ended[0].distance_m);
-  perception.publish_change(now, context, session, effects);
+  perception.publish_change(now, context, server_proxy, effects);
   EXPECT_TRUE(responses().empty());
 }
 

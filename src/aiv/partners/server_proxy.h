@@ -13,12 +13,11 @@
 #include "cosiva/wire/own/link_check.h"
 #include "cosiva/wire/own/own_messages.h"
 #include "cosiva/wire/runtime/core.h"
-#include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::aiv {
 
 /// The topics of one vehicle, except those of its intents, which depend on where it is.
-struct SessionTopics {
+struct ServerProxyTopics {
   // Subscribed.
   std::string order;
   std::string instant_actions;
@@ -62,12 +61,12 @@ enum class ServerMessage : std::uint8_t {
 ///
 /// Invariant: a message is counted once, when it has been sent or delivered; nothing is counted while the broker is
 /// away.
-class Session {
+class ServerProxy {
  public:
   /// @param as_values  frequent messages are passed on as values (wire/in_process/typed_message.h)
-  Session(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
+  ServerProxy(wire::VehicleId id, std::string_view interface_name, bool as_values = false);
 
-  [[nodiscard]] const SessionTopics& topics() const { return topics_; }
+  [[nodiscard]] const ServerProxyTopics& topics() const { return topics_; }
 
   /// @param now  of the connect that will carry it; its header is not for ordering (trap 18)
   [[nodiscard]] wire::Will will(SimTime now) const;
@@ -114,19 +113,11 @@ class Session {
 
   wire::VehicleId id_;
   bool as_values_;
-  SessionTopics topics_;
+  ServerProxyTopics topics_;
   bool online_{false};
   HeaderIds next_;
   std::uint64_t sent_{0};
   std::uint64_t delivered_{0};
 };
-
-/// What this vehicle is and can do, from the zone it drives in.
-struct SessionTiming {
-  SimDuration state_period;
-  SimDuration state_interval_min;
-  SimDuration visualization_period;
-};
-[[nodiscard]] wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing);
 
 }  // namespace cosiva::aiv

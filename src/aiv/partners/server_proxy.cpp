@@ -1,10 +1,9 @@
-#include "cosiva/aiv/onboard/session.h"
+#include "cosiva/aiv/partners/server_proxy.h"
 
 #include <algorithm>
 #include <utility>
 #include <variant>
 
-#include "cosiva/aiv/order/instant_actions.h"
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/wire/in_process/typed_message.h"
@@ -24,7 +23,7 @@ wire::Publish as_value(const std::string& topic, Message&& message) {
   return publish;
 }
 
-SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_name) {
+ServerProxyTopics topics_of(const wire::VehicleId& id, std::string_view interface_name) {
   return {
       .order = wire::vda_topic(id, "order", interface_name),
       .instant_actions = wire::vda_topic(id, "instantActions", interface_name),
@@ -48,49 +47,49 @@ SessionTopics topics_of(const wire::VehicleId& id, std::string_view interface_na
 
 }  // namespace
 
-Session::Session(wire::VehicleId id, std::string_view interface_name, bool as_values)
+ServerProxy::ServerProxy(wire::VehicleId id, std::string_view interface_name, bool as_values)
     : id_{std::move(id)}, as_values_{as_values}, topics_{topics_of(id_, interface_name)} {}
 
-wire::Header Session::header(SimTime now, std::uint32_t header_id) const {
+wire::Header ServerProxy::header(SimTime now, std::uint32_t header_id) const {
   return {header_id, now, std::string(vda::version), id_.manufacturer, id_.serial_number};
 }
 
-wire::Will Session::will(SimTime now) const {
+wire::Will ServerProxy::will(SimTime now) const {
   const wire::Connection last_will{header(now, next_.connection), wire::ConnectionState::connection_broken};
   return {wire::Publish{topics_.connection, vda::encode(last_will), 1, true}};
 }
 
-void Session::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::ConnectionState state, wire::Effects& effects) {
   if (!online_) return;
   const wire::Connection connection{header(now, next_.connection++), state};
   send({topics_.connection, vda::encode(connection), 1, true}, effects);
 }
 
-void Session::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::State&& state, wire::Effects& effects) {
   if (!online_) return;
   state.header = header(now, next_.state++);
   if (as_values_) return send(as_value(topics_.state, std::move(state)), effects);
   send({topics_.state, vda::encode(state), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::Visualization&& visualization, wire::Effects& effects) {
   if (!online_) return;
   visualization.header = header(now, next_.visualization++);
   if (as_values_) return send(as_value(topics_.visualization, std::move(visualization)), effects);
   send({topics_.visualization, vda::encode(visualization), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::Factsheet&& factsheet, wire::Effects& effects) {
   if (!online_) return;
   factsheet.header = header(now, next_.factsheet++);
   send({topics_.factsheet, vda::encode(factsheet), 0, true}, effects);
 }
 
-void Session::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects) {
+void ServerProxy::publish(const wire::VirtualObstaclesAck& perceived, wire::Effects& effects) {
   if (online_) send({topics_.virtual_obstacles_ack, to_json(perceived), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire::Effects& effects) {
   if (!online_) return;
   detected.header_id = next_.detected_obstacle++;
   detected.timestamp = now;
@@ -98,7 +97,7 @@ void Session::publish(SimTime now, wire::DetectedObstacleReport&& detected, wire
   send({topics_.detected_obstacle, to_json(detected), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& effects) {
   if (!online_) return;
   report.header_id = next_.boards++;
   report.timestamp = now;
@@ -106,28 +105,28 @@ void Session::publish(SimTime now, wire::BoardsReport&& report, wire::Effects& e
   send({topics_.boards, to_json(report), 0, false}, effects);
 }
 
-void Session::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects) {
+void ServerProxy::publish(SimTime now, wire::LinkCheck&& check, wire::Effects& effects) {
   if (!online_) return;
   check.header_id = next_.link_check++;
   check.timestamp = now;
   effects.emplace_back(wire::Publish{topics_.link_check, to_json(check), 0, false});
 }
 
-void Session::publish(const wire::BatteryReady& ready, wire::Effects& effects) {
+void ServerProxy::publish(const wire::BatteryReady& ready, wire::Effects& effects) {
   if (online_) send({topics_.battery_ready, to_json(ready), 1, false}, effects);
 }
 
-void Session::publish_estimate(std::string&& json, wire::Effects& effects) {
+void ServerProxy::publish_estimate(std::string&& json, wire::Effects& effects) {
   if (online_) send({topics_.estimate_response, std::move(json), 0, false}, effects);
 }
 
-void Session::send(wire::Publish&& message, wire::Effects& effects) {
+void ServerProxy::send(wire::Publish&& message, wire::Effects& effects) {
   COSIVA_EXPECT(online_);
   ++sent_;
   effects.emplace_back(std::move(message));
 }
 
-ServerMessage Session::kind_of(std::string_view topic, const wire::ServerTopics& server) const {
+ServerMessage ServerProxy::kind_of(std::string_view topic, const wire::ServerTopics& server) const {
   using enum ServerMessage;
   if (topic == server.heartbeat) return heartbeat;
   if (topic == topics_.virtual_obstacles) return virtual_obstacles;
@@ -141,13 +140,13 @@ ServerMessage Session::kind_of(std::string_view topic, const wire::ServerTopics&
   return topic.starts_with(server.zone_prefix) ? zone : none;
 }
 
-ServerMessage Session::deliver(std::string_view topic, const wire::ServerTopics& server) {
+ServerMessage ServerProxy::deliver(std::string_view topic, const wire::ServerTopics& server) {
   const ServerMessage kind = kind_of(topic, server);
   if (kind != ServerMessage::none) ++delivered_;
   return kind;
 }
 
-Result<void> Session::accepts(const wire::Header& header) const {
+Result<void> ServerProxy::accepts(const wire::Header& header) const {
   const wire::VehicleId named{header.manufacturer, header.serial_number};
   if (named != id_) {
     return fail("validationError", "the header names '" + to_string(named) + "', the topic '" + to_string(id_) + "'",
@@ -161,52 +160,6 @@ Result<void> Session::accepts(const wire::Header& header) const {
   return {};
 }
 
-wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing) {
-  const auto& [slow, medium, fast] = zone.profiles;
-  wire::Factsheet sheet;
-  sheet.series_name = "CoSiVA AIV";
-  sheet.series_description = "Autonomous industrial vehicle, line following, " + zone.name;
-  sheet.speed_max_mps = std::max({slow.speed_mps, medium.speed_mps, fast.speed_mps});
-  sheet.acceleration_max_mps2 = std::max({slow.acceleration_mps2, medium.acceleration_mps2, fast.acceleration_mps2});
-  sheet.deceleration_max_mps2 = std::max({slow.braking_mps2, medium.braking_mps2, fast.braking_mps2});
-  sheet.height_m = 0.10;
-  sheet.width_m = zone.vehicle.width_m;
-  sheet.length_m = zone.vehicle.length_m;
-  sheet.min_order_interval_s = 0.1;
-  sheet.min_state_interval_s = to_seconds(timing.state_interval_min);
-  sheet.default_state_interval_s = to_seconds(timing.state_period);
-  sheet.visualization_interval_s = to_seconds(timing.visualization_period);
-  const auto instant = [](std::string_view type, std::string description,
-                          std::vector<wire::Parameter> parameters = {}) {
-    return wire::Factsheet::SupportedAction{std::string(type),    std::move(description), true, false, false,
-                                            std::move(parameters)};
-  };
-  const auto number = [](std::string key) { return wire::Parameter{std::move(key), std::string("NUMBER")}; };
-  const auto text = [](std::string key) { return wire::Parameter{std::move(key), std::string("STRING")}; };
-  sheet.actions = {
-      instant(action::start_pause, "stops the vehicle until stopPause"),
-      instant(action::stop_pause, "ends the pause"),
-      instant(action::cancel_order, "stops the vehicle and discards the order"),
-      instant(action::init_position, "sets the vehicle's position",
-              {number("x"), number("y"), number("theta"), text("mapId"), text("lastNodeId")}),
-      instant(action::state_request, "sends a state at once"),
-      instant(action::factsheet_request, "sends the factsheet"),
-      instant(action::set_speed_limit,
-              "imposes a speed: profile slow, medium, fast or normal (none); or maxSpeed in m/s",
-              {text("profile"), number("maxSpeed")}),
-      instant(action::enable_map, "reports whether this map is in force; maps arrive by themselves",
-              {text("mapId"), text("mapVersion")}),
-      instant(action::self_test, "tests every board and its parts; only at standstill"),
-      instant(action::join_line, "joins the path at a pose that lies along it; for an off-path vehicle",
-              {number("x"), number("y"), number("theta")}),
-      instant(action::move, "drives this far along the order and stops there, up to 10 m; 0 ends the limit",
-              {number("distance")}),
-      instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",
-              {number("distance")}),
-  };
-  return sheet;
-}
-
-void Session::archive(Archive& archive) { archive(online_, next_, sent_, delivered_); }
+void ServerProxy::archive(Archive& archive) { archive(online_, next_, sent_, delivered_); }
 
 }  // namespace cosiva::aiv
