@@ -43,7 +43,7 @@ int run_command_line(int argc, const char* const* argv) {
   ZoneArguments zone;
   GenerateArguments generate;
   ScenarioArguments scenario;
-  AgentArguments agent;
+  AllAgentArguments agent;
   FleetTrafficArguments traffic;
   CapacityArguments capacity;
   QualifyArguments qualify;
@@ -88,7 +88,8 @@ int run_command_line(int argc, const char* const* argv) {
     return journal_commands.journal.refuse("a subcommand is missing: list, verify, export, compact or repair");
   if (gvs_commands.gvs.chosen())
     return gvs_commands.gvs.refuse("a subcommand is missing: calibrate, track, render or watch");
-  if (agent_commands.agent.chosen()) return agent_commands.agent.refuse("a subcommand is missing: explain or surface");
+  if (agent_commands.agent.chosen())
+    return agent_commands.agent.refuse("a subcommand is missing: explain, surface, measure or search");
   if (const auto status = run_scenario_command(scenario_commands, scenario)) return *status;
   if (scenario_commands.scenario.chosen())
     return scenario_commands.scenario.refuse("a subcommand is missing: check or list");

@@ -66,19 +66,25 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   const bool may_drive = !vehicle_.holds().any() && !vehicle_.progress().cancelling() && position.known();
   const bool leader_detected =
       inputs_.others.leader_mps && std::fabs(inputs_.others.leader_gap_m - room_m) <= same_body_m;
+  constexpr double nothing = std::numeric_limits<double>::infinity();
   const auto closing_mps = leader_detected ? std::optional{speed_mps - *inputs_.others.leader_mps} : std::nullopt;
+  const bool on_path = position.known() && !vehicle_.joining();
+  const double foreseen_m = on_path ? envelope_.foreseen_m(position.outlook(), vehicle_.order()) : nothing;
   const Situation situation{.speed_mps = speed_mps,
                             .obstacle_ahead_m = obstacle_m,
                             .end_of_base_m = base_end_m,
-                            .crossing_ahead_m = decision_.crossing_ahead_m,
+                            .crossing_ahead_m = std::min(decision_.crossing_ahead_m, foreseen_m),
                             .charge = inputs_.charge,
                             .imposed = instructions_.imposed,
                             .closing_mps = closing_mps,
                             .crossing_margin_s = inputs_.others.crossing_margin_s,
                             .crossing_priority = inputs_.others.crossing_priority,
+                            .release_distance_m = vehicle_.order().horizon_left() ? base_end_m : nothing,
+                            .passed_m = on_path ? envelope_.passed_m(position.outlook()) : nothing,
                             .present = decision_.profile};
-  const Profile profile = may_drive ? speed_policy_->choose(situation) : Profile::stop;
+  const auto [profile, ratio] = may_drive ? speed_policy_->target(situation) : SpeedChoice{Profile::stop, 1.0};
   zone::SpeedProfile target_speed = kinematics(zone_.profiles, profile);
+  target_speed.speed_mps *= ratio;
   if (instructions_.speed_mps_max)
     target_speed.speed_mps = std::min(target_speed.speed_mps, *instructions_.speed_mps_max);
   if (!position.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};

@@ -12,6 +12,9 @@
 namespace cosiva::aiv {
 namespace {
 
+/// Without a body nothing keeps the vehicle back.
+constexpr double no_leader = 100.0;
+
 constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
     {"instruction", "", "the operator's instruction: 0 stop, 1 slow, 2 medium, 3 fast, 4 none", no_instruction},
     {"gap", "braking distances", "free distance up to the stopping point before the next body", 10.0},
@@ -21,8 +24,14 @@ constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
     {"margin", "s", "time by which the vehicle is at that crossing before the other vehicle", 10.0},
     {"priority", "", "own priority against the other vehicle's: -1 lower, 0 the same, 1 higher", 0.0},
     {"charge", "%", "state of charge of the battery", 100.0},
+    {"release", "braking distances", "distance to the end of the base, if more of the order is announced", 10.0},
+    {"leader", "% of the medium speed", "speed of the next body, 0 if it is not known to move", no_leader},
+    {"passed", "braking distances", "distance from the exit of the last crossing", 10.0},
 }};
 constexpr std::string_view go_name = "go";
+/// The slowest speed of a vehicle that is not to stop, relative to the slow profile: slower than that, standstill
+/// saves energy.
+constexpr double creep_ratio_min = 0.2;
 
 std::optional<AgentInput> parse_input(std::string_view name) {
   for (std::size_t i = 0; i < agent_input_count; ++i) {
@@ -77,7 +86,10 @@ AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& pro
           plain::path_input(situation.crossing_ahead_m, braking_m),
           situation.crossing_margin_s,
           situation.crossing_priority,
-          100.0 * situation.charge};
+          100.0 * situation.charge,
+          plain::path_input(situation.release_distance_m, braking_m),
+          is_free ? no_leader : plain::closing_input(situation.speed_mps - closing_mps, profiles.medium.speed_mps),
+          plain::path_input(situation.passed_m, braking_m)};
 }
 
 Profile nearest_profile(double speed, std::optional<Profile> present) {
@@ -110,7 +122,7 @@ std::shared_ptr<const AgentRules> AgentRules::built_in() {
 }
 
 AgentDecision AgentRules::decide(const AgentInputs& inputs, std::optional<Profile> present) const {
-  // An agent has eight inputs, each of them once; FLL has at most 64 variables.
+  // An agent has eleven inputs, each of them once; FLL has at most 64 variables.
   std::array<double, agent_input_count> question{};
   for (std::size_t i = 0; i < inputs_.size(); ++i) question[i] = inputs[static_cast<std::size_t>(inputs_[i])];
   std::array<double, 64> responses{};
@@ -127,6 +139,9 @@ AgentDecision AgentRules::decide(const AgentInputs& inputs, std::optional<Profil
     }
   }
   decision.profile = nearest_profile(decision.speed, present);
+  // Only a concern of 0 stops a vehicle that drives; less than slow is a part of the slow speed (SpeedChoice).
+  if (decision.profile == Profile::stop && decision.speed > 0.0 && present != Profile::stop)
+    decision.profile = Profile::slow;
   return decision;
 }
 
@@ -139,6 +154,12 @@ fuzzy::Explanation AgentRules::explain(const AgentInputs& inputs) const {
 
 FuzzySpeedPolicy::FuzzySpeedPolicy(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles)
     : rules_{std::move(rules)}, profiles_{profiles} {}
+
+SpeedChoice FuzzySpeedPolicy::target(const Situation& situation) const {
+  const AgentDecision decision = decide(situation);
+  if (decision.profile != Profile::slow) return {decision.profile};
+  return {decision.profile, std::clamp(decision.speed, creep_ratio_min, 1.0)};
+}
 
 AgentDecision FuzzySpeedPolicy::decide(const Situation& situation) const {
   AgentDecision decision = rules_->decide(inputs_of(situation, profiles_), situation.present);

@@ -17,8 +17,8 @@
 namespace cosiva::aiv {
 
 /// The inputs of an agent's rules. rules/agent.fll and docs/guide/agents.md define their numbers.
-enum class AgentInput { instruction, gap, closing, base, crossing, margin, priority, charge };
-inline constexpr std::size_t agent_input_count = 8;
+enum class AgentInput { instruction, gap, closing, base, crossing, margin, priority, charge, release, leader, passed };
+inline constexpr std::size_t agent_input_count = 11;
 struct AgentInputInfo {
   std::string_view name;     ///< in the rules
   std::string_view unit;     ///< of the rules' number; empty: none
@@ -38,7 +38,7 @@ using AgentInputs = std::array<double, agent_input_count>;
 [[nodiscard]] double braking_distance_m(const zone::SpeedProfiles& profiles);
 
 struct AgentDecision {
-  Profile profile;
+  Profile profile;                        ///< stop only where a concern's speed is 0: above, a part of the slow speed
   double speed;                           ///< 0 stop … 3 fast, before rounding: the lowest concern's
   std::optional<std::size_t> decided_by;  ///< that concern, an output of the rules
   double go;                              ///< the rules' output for the next crossing, 0 yield … 1 go
@@ -87,7 +87,7 @@ class FuzzySpeedPolicy final : public SpeedPolicy {
  public:
   FuzzySpeedPolicy(std::shared_ptr<const AgentRules> rules, const zone::SpeedProfiles& profiles);
 
-  [[nodiscard]] Profile choose(const Situation& situation) const override { return decide(situation).profile; }
+  [[nodiscard]] SpeedChoice target(const Situation& situation) const override;
   /// The same, with the rules' output for the next crossing.
   [[nodiscard]] AgentDecision decide(const Situation& situation) const;
 

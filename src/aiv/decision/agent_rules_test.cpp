@@ -48,6 +48,8 @@ Situation any_situation() {
   if (*rc::gen::arbitrary<bool>()) situation.closing_mps = number(-0.5, 0.5);
   if (*rc::gen::arbitrary<bool>()) situation.crossing_margin_s = number(-12.0, 12.0);
   situation.crossing_priority = number(-1.0, 1.0);
+  if (*rc::gen::arbitrary<bool>()) situation.release_distance_m = situation.end_of_base_m;
+  if (*rc::gen::arbitrary<bool>()) situation.passed_m = number(0.0, 2.0);
   if (*rc::gen::arbitrary<bool>()) situation.imposed = static_cast<Profile>(*rc::gen::inRange(0, 4));
   if (*rc::gen::arbitrary<bool>()) situation.present = static_cast<Profile>(*rc::gen::inRange(0, 4));
   return situation;
@@ -126,12 +128,15 @@ TEST(FuzzyChoice, is_never_slower_with_more_room_in_front) {
   }));
 }
 
-TEST(FuzzyChoice, is_never_slower_with_more_base_charge_time_or_priority_or_less_closing) {
+TEST(FuzzyChoice, is_never_slower_with_more_is_never_slower_with_more_base_charge_time_or_priority_or_less_closing) {
   EXPECT_TRUE(rc::check([] {
     const Situation worse = any_situation();
     Situation better = worse;
     switch (*rc::gen::inRange(0, 5)) {
-      case 0: better.end_of_base_m += 0.5; break;
+      case 0:
+        better.end_of_base_m += 0.5;
+        better.release_distance_m += 0.5;
+        break;
       case 1: better.charge = std::fmin(1.0, better.charge + 0.1); break;
       case 2: better.crossing_margin_s += 1.0; break;
       case 3: better.crossing_priority += 0.5; break;
@@ -142,15 +147,99 @@ TEST(FuzzyChoice, is_never_slower_with_more_base_charge_time_or_priority_or_less
   }));
 }
 
-TEST(FuzzyChoice, without_an_instruction_and_a_rival_at_a_crossing_is_never_slower_than_the_crisp_one) {
+TEST(FuzzyChoice, without_an_instruction_a_rival_and_a_wait_for_release_is_never_slower_than_the_crisp_one) {
   EXPECT_TRUE(rc::check([] {
     Situation situation = any_situation();
     situation.imposed.reset();
     situation.crossing_margin_s = nothing;
+    situation.release_distance_m = nothing;
     // From standstill, or continuing from the choice of the crisp policy.
     if (situation.present) situation.present = CrispSpeedPolicy{}.choose(situation);
     RC_ASSERT(choice(situation) >= CrispSpeedPolicy{}.choose(situation));
   }));
+}
+
+TEST(FuzzyChoice, creeps_up_to_the_end_of_its_base_where_more_is_announced) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  Situation situation = free_path();
+  situation.present = Profile::medium;
+  double before_mps = 0.15;
+  for (const double left_m : {0.15, 0.10, 0.05, 0.01}) {
+    situation.end_of_base_m = situation.release_distance_m = left_m;
+    const SpeedChoice choice = policy.target(situation);
+    EXPECT_EQ(choice.profile, Profile::slow) << left_m;
+    EXPECT_LT(choice.ratio * profiles.slow.speed_mps, before_mps) << left_m;
+    // Still moving by the definition of the article's state "stopped", 1 cm/s.
+    EXPECT_GE(choice.ratio * profiles.slow.speed_mps, stopped_mps) << left_m;
+    before_mps = choice.ratio * profiles.slow.speed_mps;
+    situation.present = choice.profile;
+  }
+  situation.end_of_base_m = situation.release_distance_m = 0.0;
+  EXPECT_EQ(policy.target(situation).profile, Profile::stop);
+}
+
+TEST(FuzzyChoice, does_not_creep_before_a_crossing_nor_where_its_order_ends) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  Situation situation = free_path();
+  situation.end_of_base_m = 0.10;
+  EXPECT_EQ(policy.target(situation).profile, Profile::medium);
+  situation.release_distance_m = 0.10;
+  EXPECT_EQ(policy.target(situation).profile, Profile::slow);
+  Situation before_crossing{0.3, nothing, 0.10, 0.11, 1.0, std::nullopt};
+  before_crossing.release_distance_m = 0.10;
+  EXPECT_EQ(policy.target(before_crossing).profile, Profile::medium);
+  EXPECT_EQ(policy.target(before_crossing).ratio, 1.0);
+}
+
+/// Within a queue: further from both crossings than its head and its tail, with a base up to the next slot.
+Situation in_queue(double leader_mps, double crossing_m = nothing, double passed_m = nothing, double body_m = 0.60) {
+  Situation situation{0.3, body_m, 0.40, crossing_m, 1.0, std::nullopt};
+  situation.release_distance_m = situation.end_of_base_m;
+  situation.closing_mps = situation.speed_mps - leader_mps;
+  situation.passed_m = passed_m;
+  situation.present = Profile::medium;
+  return situation;
+}
+
+TEST(FuzzyChoice, within_a_queue_creeps_while_its_leader_is_slow_and_moves_up_when_that_drives_off) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  for (const double leader_mps : {0.0, 0.05}) {
+    const SpeedChoice choice = policy.target(in_queue(leader_mps));
+    EXPECT_EQ(choice.profile, Profile::slow) << leader_mps;
+    EXPECT_LT(choice.ratio, 1.0) << leader_mps;
+    // Faster than what counts as creeping in measurements: most of the time saved at standstill is driven.
+    EXPECT_GE(choice.ratio * profiles.slow.speed_mps, 0.05) << leader_mps;
+  }
+  EXPECT_EQ(policy.target(in_queue(0.35)).profile, Profile::medium);
+}
+
+TEST(FuzzyChoice, at_the_head_and_the_tail_of_a_queue_does_not_creep) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  // From there on a crossing is requested (TrafficRules::request_within_m).
+  EXPECT_EQ(policy.target(in_queue(0.0, 0.70)).profile, Profile::medium);
+  // Up to there it takes room that a vehicle before the crossing needs (TrafficRules::room_m, and a length).
+  EXPECT_EQ(policy.target(in_queue(0.0, nothing, 0.35)).profile, Profile::medium);
+  EXPECT_EQ(policy.target(in_queue(0.0, 1.50, 1.00)).profile, Profile::slow);
+}
+
+TEST(FuzzyChoice, does_not_creep_without_a_leader_nor_with_more_base) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  EXPECT_EQ(policy.target(in_queue(0.0, nothing, nothing, nothing)).profile, Profile::medium);
+  Situation room = in_queue(0.0);
+  room.end_of_base_m = room.release_distance_m = 1.0;
+  EXPECT_EQ(policy.target(room).profile, Profile::medium);
+}
+
+TEST(FuzzyChoice, approaches_a_body_that_does_not_move_slowly_as_early_as_the_crisp_policy) {
+  // The crisp policy slows down at 0.35 m.
+  Situation body{0.4, 0.345, nothing, nothing, 1.0, std::nullopt};
+  body.present = Profile::medium;
+  EXPECT_EQ(choice(body), Profile::slow);
+  body.closing_mps = 0.3;  // it moves
+  EXPECT_EQ(choice(body), Profile::medium);
+  Situation further{0.4, 0.36, nothing, nothing, 1.0, std::nullopt};
+  further.present = Profile::medium;
+  EXPECT_EQ(choice(further), Profile::medium);
 }
 
 TEST(FuzzyChoice, does_not_change_its_choice_with_every_echo) {
@@ -302,9 +391,11 @@ TEST(AgentInputs, are_distances_in_braking_distances_and_rates_in_percent) {
                       .imposed = Profile::slow,
                       .closing_mps = 0.1,
                       .crossing_margin_s = 2.5,
-                      .crossing_priority = -1.0};
+                      .crossing_priority = -1.0,
+                      .release_distance_m = 0.32,
+                      .passed_m = 0.16};
   const AgentInputs inputs = inputs_of(situation, profiles);
-  const AgentInputs expected{1.0, 1.0, 25.0, 3.0, 5.0, 2.5, -1.0, 25.0};
+  const AgentInputs expected{1.0, 1.0, 25.0, 3.0, 5.0, 2.5, -1.0, 25.0, 2.0, 50.0, 1.0};
   for (std::size_t i = 0; i < agent_input_count; ++i) EXPECT_NEAR(inputs[i], expected[i], 1e-9) << i;
   situation.closing_mps.reset();
   situation.imposed.reset();
@@ -313,7 +404,7 @@ TEST(AgentInputs, are_distances_in_braking_distances_and_rates_in_percent) {
   situation.obstacle_ahead_m = nothing;
   situation.closing_mps = 0.1;
   EXPECT_EQ(inputs_of(situation, profiles)[2], 0.0);
-  EXPECT_EQ(free_path_inputs(), (AgentInputs{4.0, 10.0, 0.0, 10.0, 10.0, 10.0, 0.0, 100.0}));
+  EXPECT_EQ(free_path_inputs(), (AgentInputs{4.0, 10.0, 0.0, 10.0, 10.0, 10.0, 0.0, 100.0, 10.0, 100.0, 10.0}));
 }
 
 TEST(AgentInputs, have_names_and_units) {
@@ -325,7 +416,8 @@ TEST(AgentInputs, have_names_and_units) {
   }
   EXPECT_EQ(names,
             "instruction/ gap/braking distances closing/% of the medium speed base/braking distances "
-            "crossing/braking distances margin/s priority/ charge/% ");
+            "crossing/braking distances margin/s priority/ charge/% release/braking distances "
+            "leader/% of the medium speed passed/braking distances ");
 }
 
 TEST(AgentRules, decide_by_the_lowest_concern_and_yield_by_go) {

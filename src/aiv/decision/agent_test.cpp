@@ -85,9 +85,9 @@ const auto to_565 = [] { return order("O-1").through({"loop_se@0", "loop_se@283"
 class RecordingPolicy final : public SpeedPolicy {
  public:
   explicit RecordingPolicy(std::vector<std::optional<Profile>>& present) : present_{present} {}
-  [[nodiscard]] Profile choose(const Situation& situation) const override {
+  [[nodiscard]] SpeedChoice target(const Situation& situation) const override {
     present_.push_back(situation.present);
-    return Profile::medium;
+    return {Profile::medium};
   }
 
  private:
@@ -402,9 +402,9 @@ TEST(Agent, turns_as_the_circuit_does) {
 class SituationPolicy final : public SpeedPolicy {
  public:
   explicit SituationPolicy(std::vector<Situation>& all) : all_{all} {}
-  [[nodiscard]] Profile choose(const Situation& situation) const override {
+  [[nodiscard]] SpeedChoice target(const Situation& situation) const override {
     all_.push_back(situation);
-    return Profile::medium;
+    return {Profile::medium};
   }
 
  private:

@@ -16,6 +16,10 @@ constexpr double rounding_m = 0.005;
 /// Look-ahead beyond the vehicle's stopping distance.
 constexpr double look_ahead_m = 0.5;
 
+/// Within this distance a crossing is an input of the rules: further than the envelope needs, because vehicles in a
+/// queue before it must not fall back.
+constexpr double foreseen_within_m = 1.6;
+
 using plain::speed_before;
 
 }  // namespace
@@ -67,6 +71,20 @@ CrossingLookAhead::Chain CrossingLookAhead::first(const Outlook& outlook, double
     if (!ahead.step()) return chain;
   }
   return chain;
+}
+
+double CrossingLookAhead::passed_m(const Outlook& outlook, double reach_m) const {
+  zone::SectionId section = outlook.here.section;
+  double here_m = outlook.here.s_m;  // the vehicle, from the start of `section`
+  for (std::size_t steps = 0; steps < circuit_.size(); ++steps) {
+    for (auto span = spans_[section].rbegin(); span != spans_[section].rend(); ++span)
+      if (span->from_m <= here_m) return std::max(0.0, here_m - span->to_m);
+    const auto previous = circuit_.previous(section);
+    if (previous.empty() || here_m > reach_m) break;
+    section = previous.front();
+    here_m += circuit_.section(section).length_m();
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 Lateness Lateness::of(SimDuration cycle) {
@@ -134,6 +152,14 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
   if (speed > 0.0 && plain::brakes_hard(speed, hard_m, braking)) limit.braking_mps2 = braking_mps2_max_;
   return limit;
 }
+
+double Envelope::foreseen_m(const Outlook& outlook, const OrderBook& order) const {
+  const auto chain = crossings_.first(outlook, foreseen_within_m);
+  const bool leads_through = order.distance_to_base_end_m() >= chain.exit_m - rounding_m;
+  return leads_through || !order.horizon_left() ? std::numeric_limits<double>::infinity() : chain.entry_m;
+}
+
+double Envelope::passed_m(const Outlook& outlook) const { return crossings_.passed_m(outlook, foreseen_within_m); }
 
 Limit Envelope::limit_off_path(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const {
   const double room_mps = stoppable_speed(obstacle_ahead_m - clearance_m, target_speed.braking_mps2, late_.obstacle_s);

@@ -25,6 +25,9 @@ class CrossingLookAhead {
   };
   /// Searches for an entry up to `reach_m` ahead; a chain found is followed to its exit whatever its length.
   [[nodiscard]] Chain first(const Outlook& outlook, double reach_m) const;
+  /// From the exit of the last crossing to the body origin, along default predecessors; 0 in a crossing; infinite:
+  /// there is none on the sections that begin within `reach_m` behind.
+  [[nodiscard]] double passed_m(const Outlook& outlook, double reach_m) const;
 
  private:
   struct Span {
@@ -75,6 +78,10 @@ class Envelope {
   };
   /// @param target_speed  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;
+  /// As Limit::crossing_ahead_m, but from further away, for the rules.
+  [[nodiscard]] double foreseen_m(const Outlook& outlook, const OrderBook& order) const;
+  /// From the exit of the last crossing; infinite: none is near.
+  [[nodiscard]] double passed_m(const Outlook& outlook) const;
   /// Of a vehicle that joins a path: only a perceived obstacle ahead limits the speed.
   [[nodiscard]] Limit limit_off_path(double obstacle_ahead_m, const zone::SpeedProfile& target_speed) const;
 

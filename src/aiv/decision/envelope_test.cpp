@@ -48,6 +48,24 @@ TEST(CrossingLookAhead, does_not_stop_a_vehicle_that_is_in_one) {
   EXPECT_EQ(crossings.first(at(lacet4(), "east", 0.6), 1.0).entry_m, nothing);
 }
 
+TEST(CrossingLookAhead, measures_from_the_exit_of_the_last_crossing_over_joints) {
+  const CrossingLookAhead crossings{lacet4()};
+  EXPECT_EQ(crossings.passed_m(at(lacet4(), "east", 0.6), 1.0), 0.0) << "in a crossing";
+  // The second crossing of a straight ends at 1.1 m, 0.4 m before its end.
+  EXPECT_NEAR(crossings.passed_m(at(lacet4(), "east", 1.3), 1.0), 0.2, 0.001);
+  EXPECT_NEAR(crossings.passed_m(at(lacet4(), "loop_se", 0.5), 1.0), 0.9, 0.001);
+  EXPECT_EQ(crossings.passed_m(at(lacet4(), "loop_se", 1.2), 1.0), nothing) << "further than its reach";
+}
+
+TEST(CrossingLookAhead, of_an_open_circuit_has_passed_none_before_the_first) {
+  zone::TrafficZone zone = lacet4();
+  zone.circuit = test::lay({{5.0}}, false);
+  zone.crossings = {{"X", {}, {{0, 1.0, 1.5}}}};
+  const CrossingLookAhead crossings{zone};
+  EXPECT_EQ(crossings.passed_m({0, 0.9}, 1.0), nothing);
+  EXPECT_NEAR(crossings.passed_m({0, 1.7}, 1.0), 0.2, 1e-12);
+}
+
 zone::TrafficZone with_spans(std::vector<zone::CrossingSpan> spans, std::vector<test::Piece> pieces, bool closed) {
   zone::TrafficZone zone = lacet4();
   zone.circuit = test::lay(pieces, closed);

@@ -58,10 +58,10 @@ Status status_of(double speed_mps, std::optional<Profile> imposed) {
   return Status::normal;
 }
 
-Profile CrispSpeedPolicy::choose(const Situation& situation) const {
-  if (situation.end_of_base_m <= 0.0) return Profile::stop;
-  if (situation.imposed) return *situation.imposed;
-  return static_cast<Profile>(static_cast<int>(plain::crisp_profile(situation.charge, situation.obstacle_ahead_m)));
+SpeedChoice CrispSpeedPolicy::target(const Situation& situation) const {
+  if (situation.end_of_base_m <= 0.0) return {Profile::stop};
+  if (situation.imposed) return {*situation.imposed};
+  return {static_cast<Profile>(static_cast<int>(plain::crisp_profile(situation.charge, situation.obstacle_ahead_m)))};
 }
 
 double stoppable_speed(double distance_m, double braking_mps2, double late_s) {

@@ -34,7 +34,12 @@ struct Situation {
   /// Time by which the vehicle would reach that crossing before the other vehicle that requests it [s]; below 0: after
   /// that vehicle. Infinite: no other vehicle is known to request the crossing.
   double crossing_margin_s{std::numeric_limits<double>::infinity()};
-  double crossing_priority{0.0};     ///< own priority against the other vehicle's there, −1 lower … 1 higher
+  double crossing_priority{0.0};  ///< own priority against the other vehicle's there, −1 lower … 1 higher
+  /// To the end of the base, where more of the order is announced: the vehicle may have to wait there until it is
+  /// released. Infinite: the order ends there.
+  double release_distance_m{std::numeric_limits<double>::infinity()};
+  /// From the exit of the last crossing; 0 in a crossing, infinite where none is near.
+  double passed_m{std::numeric_limits<double>::infinity()};
   std::optional<Profile> present{};  ///< the last choice; nothing: the vehicle was stopped or has just started
 };
 
@@ -47,19 +52,26 @@ struct Others {
   double crossing_priority{0.0};
 };
 
+/// The target of a speed policy.
+struct SpeedChoice {
+  Profile profile;
+  double ratio{1.0};  ///< of that profile's speed, in (0, 1]; less than 1 with the slow profile only: creeping
+};
+
 /// Chooses among the profiles, crisp here or fuzzy (agent_rules.h), behind one interface (A10). The choice is a target,
 /// which the envelope may only lower. The policy has no state: equal situations give equal choices.
 class SpeedPolicy {
  public:
   virtual ~SpeedPolicy() = default;
-  [[nodiscard]] virtual Profile choose(const Situation& situation) const = 0;
+  [[nodiscard]] virtual SpeedChoice target(const Situation& situation) const = 0;
+  [[nodiscard]] Profile choose(const Situation& situation) const { return target(situation).profile; }
   /// Whether the policy uses reports of other vehicles (closing, margin, priority); false saves the agent the
   /// evaluation.
   [[nodiscard]] virtual bool heeds_others() const { return true; }
 };
 class CrispSpeedPolicy final : public SpeedPolicy {
  public:
-  [[nodiscard]] Profile choose(const Situation& situation) const override;
+  [[nodiscard]] SpeedChoice target(const Situation& situation) const override;
   [[nodiscard]] bool heeds_others() const override { return false; }
 };
 

@@ -457,9 +457,9 @@ TEST(Neighbours, handle_any_intent_that_can_be_decoded) {
 /// Records the situation it is called with, and chooses medium.
 struct Requested final : SpeedPolicy {
   explicit Requested(Situation& out) : situation{out} {}
-  [[nodiscard]] Profile choose(const Situation& requested) const override {
+  [[nodiscard]] SpeedChoice target(const Situation& requested) const override {
     if (std::isfinite(requested.obstacle_ahead_m)) situation = requested;  // not the evaluation without the body
-    return Profile::medium;
+    return {Profile::medium};
   }
   Situation& situation;
 };

@@ -65,7 +65,7 @@ TEST(AgentExplain, prints_the_same_as_json) {
   EXPECT_EQ(json->text("profile"), "slow");
   EXPECT_EQ(json->text("decided_by"), "by_instruction");
   EXPECT_EQ(json->flag("goes"), true);
-  EXPECT_EQ(json->find("explanation")->find("rules")->array()->size(), 23U);
+  EXPECT_EQ(json->find("explanation")->find("rules")->array()->size(), 31U);
 }
 
 TEST(AgentExplain, keeps_the_present_profile_near_a_border) {
@@ -94,7 +94,7 @@ TEST(AgentRules, with_errors_end_every_command_with_2_and_their_line) {
     const CommandOutput output = cosiva(command);
     EXPECT_EQ(output.status, 2) << command[0];
     EXPECT_THAT(output.standard_error,
-                HasSubstr("my.fll:199:22: 'charge' has no such term; expected a hedge or low or good"))
+                HasSubstr("my.fll:285:22: 'charge' has no such term; expected a hedge or low or good"))
         << command[0];
   }
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "cosiva/app/agent/agent_arguments.h"
+#include "cosiva/app/agent/fleet_arguments.h"
 #include "cosiva/app/cli/options.h"
 
 /// The options of `cosiva agent`.
@@ -13,11 +14,19 @@ struct AgentCommands {
   Command agent;
   Command explain;
   Command surface;
+  Command measure;
+  Command search;
 };
 
-[[nodiscard]] AgentCommands describe_agent(Command root, AgentArguments& agent);
+struct AllAgentArguments {
+  AgentArguments inspect;
+  AgentMeasureArguments measure;
+  AgentSearchArguments search;
+};
+
+[[nodiscard]] AgentCommands describe_agent(Command root, AllAgentArguments& agent);
 
 /// The exit status of the requested subcommand, if any.
-[[nodiscard]] std::optional<int> run_agent_command(const AgentCommands& commands, const AgentArguments& agent);
+[[nodiscard]] std::optional<int> run_agent_command(const AgentCommands& commands, const AllAgentArguments& agent);
 
 }  // namespace cosiva::app

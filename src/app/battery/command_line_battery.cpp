@@ -181,7 +181,7 @@ void add_test_options(Command command, BatteryTestArguments& test) {
           "At 10 the test takes three fifths of the time, and vehicles in dense traffic wait slightly longer")
       .value_name("N")
       .in_range(10.0, 50.0);
-  add_rules(command, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: crisp");
+  add_rules(command, test.rules, "how the AIVs choose their speed (docs/guide/agents.md); without: fuzzy");
   command.add_option("--state", test.state_file, "saved during the test; an existing file is continued")
       .value_name("FILE");
   command.add_option("--out", test.out_directory, "folder for report.html, result.json and curves.csv")

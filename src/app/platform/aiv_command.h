@@ -18,7 +18,7 @@ struct AivArguments {
   std::string start;  ///< "section:s"; empty: unknown until a tag or an initPosition defines the position
   std::string state_file;
   bool emulated{false};        ///< its radio is the emulated world's
-  std::string rules{"crisp"};  ///< crisp, fuzzy or a file
+  std::string rules{"fuzzy"};  ///< crisp, fuzzy or a file
   bool v2x{true};
   bool rali{true};  ///< the vehicle has this board
   DirectArguments direct;

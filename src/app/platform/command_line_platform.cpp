@@ -173,7 +173,7 @@ void describe_up(Command command, UpArguments& up) {
   for (const char* name :
        {"calibration", "images", "video", "camera", "rate", "exposure", "line", "tag-side", "vehicle"})
     command.option(std::string("--gvs-") + name).needs(gvs);
-  add_rules(command, up.rules, "how all AIVs choose their speed; without: crisp, and fuzzy for virtual AIVs");
+  add_rules(command, up.rules, "how all AIVs choose their speed; without: fuzzy");
   command.add_option("--trace-messages", up.trace_file, "write every message as a JSON line").value_name("FILE");
   command.add_option("--web", up.web_directory, "the page's built files, if not web/dist").value_name("DIR");
   add_broker(command, up.broker, "a private one is started on 127.0.0.1");
@@ -268,7 +268,7 @@ void describe_aiv(Command command, AivArguments& aiv) {
       .value_name("SECTION:S");
   command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
       .value_name("FILE");
-  add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: crisp");
+  add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: fuzzy");
   command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_switch("--rali", aiv.rali, "it has the board RALI; without, its charge is unknown");
   add_direct(command, aiv.direct);

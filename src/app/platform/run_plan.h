@@ -22,7 +22,7 @@ struct RunPlan {
   std::optional<experiments::Scenario> scenario;
   std::string scenario_file;
   std::string zone_file;                 ///< where edits may be saved: the given file; empty for a ready zone
-  std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: each kind has its own
+  std::optional<aiv::SpeedRules> rules;  ///< of all AIVs; nothing: the built-in ones
   std::vector<physical::VehicleEquipment> equipment{};
   /// The crossing units: those that a scenario adds later begin switched off.
   std::vector<experiments::WorldUnit> units{};

@@ -56,7 +56,7 @@ struct UpArguments {
   GvsSource gvs_source;
   std::vector<std::string> line_tracking;  ///< NAME or VEHICLE=NAME
   std::vector<std::string> without_rali;   ///< numbers of vehicles, or all
-  std::string rules;  ///< crisp, fuzzy or a file; empty: crisp for physical AIVs, fuzzy for virtual ones
+  std::string rules;                       ///< crisp, fuzzy or a file; empty: fuzzy
 };
 
 }  // namespace cosiva::app

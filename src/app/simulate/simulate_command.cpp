@@ -1,9 +1,7 @@
 #include "cosiva/app/simulate/simulate_command.h"
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -12,6 +10,7 @@
 #include "cosiva/adapters/thread_pool.h"
 #include "cosiva/app/cli/console.h"
 #include "cosiva/app/cli/progress.h"
+#include "cosiva/app/cli/seed_range.h"
 #include "cosiva/app/resources/zone_files.h"
 #include "cosiva/app/simulate/seed_report.h"
 #include "cosiva/base/expect.h"
@@ -25,30 +24,6 @@ namespace {
 
 using experiments::FaultSimulationOptions;
 using experiments::FaultSimulationResult;
-
-constexpr std::uint64_t seeds_max = 10'000'000;
-
-struct SeedRange {
-  std::uint64_t first;
-  std::uint64_t last;
-};
-
-std::optional<std::uint64_t> read_number(std::string_view text) {
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-/// "7" or "1..200".
-Result<SeedRange> read_seeds(std::string_view text) {
-  const std::size_t dots = text.find("..");
-  const auto first = read_number(text.substr(0, dots));
-  const auto last = dots == std::string_view::npos ? first : read_number(text.substr(dots + 2));
-  if (!first || !last || *first > *last || *last - *first >= seeds_max)
-    return fail("simulate.seeds", "state a seed such as 7, or a range such as 1..200", "--seeds");
-  return SeedRange{*first, *last};
-}
 
 Result<FaultSimulationOptions> options_of(const SimulateArguments& arguments) {
   FaultSimulationOptions options;
@@ -87,7 +62,7 @@ class SeedRunner {
         pool_{arguments.jobs > 0 ? arguments.jobs : std::max(1U, std::thread::hardware_concurrency())} {}
 
   int run(SeedRange seeds) {
-    const std::uint64_t count = seeds.last - seeds.first + 1;
+    const std::uint64_t count = seeds.count();
     for (std::uint64_t from = 0; from < count; from += block_) {
       std::vector<Result<FaultSimulationResult>> results(std::min(block_, count - from));
       pool_.for_each(results.size(), [&](std::size_t i) {
@@ -151,7 +126,7 @@ int list_schedules(const FaultSimulationOptions& options, SeedRange seeds) {
 }  // namespace
 
 int run_simulate(const SimulateArguments& arguments) {
-  const auto seeds = read_seeds(arguments.seeds);
+  const auto seeds = read_seed_range(arguments.seeds, "--seeds", "simulate.seeds");
   if (!seeds) return report_error(seeds.error());
   auto options = options_of(arguments);
   if (!options) return report_error(options.error());

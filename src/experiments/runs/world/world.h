@@ -41,7 +41,8 @@ struct WorldOptions {
   std::uint64_t seed{1};
   wire::NetworkFaults network;  ///< V2X messages bypass the broker, unless another prefix is given
   physical::PlantNoise noise;
-  aiv::SpeedRules rules;                                ///< of the physical AIVs; virtual AIVs have the server's
+  /// Of the physical AIVs; virtual AIVs have the server's.
+  aiv::SpeedRules rules{aiv::SpeedRules::Kind::fuzzy, {}, {}};
   bool v2x{true};                                       ///< likewise
   std::vector<physical::VehicleEquipment> equipment{};  ///< as PlantOptions::equipment
   /// Physical AIVs have a direct link to each other, with these faults and its own random numbers; nothing: none.
