@@ -46,8 +46,10 @@ std::optional<Expectation> Forecast::expectation_of(VehicleIndex vehicle, const 
   }
   const bool stays = !state->driving && std::fabs(twin.progress().mps) < aiv::stopped_mps;
   const bool may_drive = !state->paused && !stays;
-  const aiv::Profile profile = may_drive ? rules_->choose(situation_of(vehicle, twin, expected)) : aiv::Profile::stop;
+  const auto [profile, ratio] =
+      may_drive ? rules_->target(situation_of(vehicle, twin, expected)) : aiv::SpeedChoice{aiv::Profile::stop, 1.0};
   expected.target = aiv::kinematics(zone.profiles, profile);
+  expected.target.speed_mps *= ratio;
   if (const auto& section_mps = zone.circuit.part(twin.reported_position().section).speed_mps_max)
     expected.target.speed_mps = std::min(expected.target.speed_mps, *section_mps);
   return expected;
@@ -55,8 +57,9 @@ std::optional<Expectation> Forecast::expectation_of(VehicleIndex vehicle, const 
 
 aiv::Situation Forecast::situation_of(VehicleIndex vehicle, const Twin& twin, const Expectation& near) const {
   const AivProxy& proxy = context_.registry[vehicle];
-  const auto chain = crossings_->first({twin.reported_position(), twin.remaining(twin.reported_position().section)},
-                                       crossing_within_m);
+  const aiv::Outlook outlook{twin.reported_position(), twin.remaining(twin.reported_position().section)};
+  const auto chain = crossings_->first(outlook, crossing_within_m);
+  const bool more_announced = !std::ranges::all_of(proxy.state()->node_states, &wire::NodeState::released);
   const double speed_mps = twin.progress().mps;
   return {.speed_mps = speed_mps,
           .obstacle_ahead_m = near.leader_gap_m,
@@ -64,7 +67,9 @@ aiv::Situation Forecast::situation_of(VehicleIndex vehicle, const Twin& twin, co
           .crossing_ahead_m = near.end_m < chain.exit_m ? chain.entry_m : nothing,
           .charge = proxy.state()->battery.charge_percent / 100.0,
           .imposed = proxy.reported_state.imposed(),
-          .closing_mps = near.leader_gap_m < nothing ? std::optional{speed_mps - near.leader_mps} : std::nullopt};
+          .closing_mps = near.leader_gap_m < nothing ? std::optional{speed_mps - near.leader_mps} : std::nullopt,
+          .release_distance_m = more_announced ? near.end_m : nothing,
+          .passed_m = crossings_->passed_m(outlook, crossing_within_m)};
 }
 
 }  // namespace cosiva::virtual_side
