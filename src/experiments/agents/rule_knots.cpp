@@ -77,6 +77,7 @@ Result<RuleKnots> RuleKnots::read(std::string_view fll, std::string_view origin,
   std::vector<Number> numbers;
   const auto end_variable = [&] {
     std::vector<double> values;
+    values.reserve(numbers.size());
     for (const Number& number : numbers) values.push_back(number.value);
     std::ranges::sort(values);
     values.erase(std::unique(values.begin(), values.end()), values.end());
