@@ -51,6 +51,7 @@ std::string name_of(const FleetCase& fleet_case) {
 
 std::vector<std::pair<std::string, PairedMean>> quantities_of(const FleetCase& fleet_case) {
   std::vector<std::pair<std::string, PairedMean>> quantities;
+  quantities.reserve(all_columns.size());
   for (const auto& [name, of] : all_columns) quantities.emplace_back(name, (fleet_case.*of)());
   return quantities;
 }

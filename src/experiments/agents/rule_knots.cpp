@@ -77,10 +77,10 @@ Result<RuleKnots> RuleKnots::read(std::string_view fll, std::string_view origin,
   std::vector<Number> numbers;
   const auto end_variable = [&] {
     std::vector<double> values;
+    values.reserve(numbers.size());
     for (const Number& number : numbers) values.push_back(number.value);
     std::ranges::sort(values);
-    const auto [from, to] = std::ranges::unique(values);
-    values.erase(from, to);
+    values.erase(std::unique(values.begin(), values.end()), values.end());
     const std::size_t first = read.knots_.size();
     for (const double value : values) read.knots_.push_back({variable, value, low, high});
     for (const Number& number : numbers) {

@@ -82,6 +82,7 @@ class Training {
   /// The cases of each text. Fails as run_fleet().
   [[nodiscard]] Result<std::vector<std::vector<TrainingCase>>> evaluate(const std::vector<std::string>& texts) {
     std::vector<aiv::SpeedRules> all;
+    all.reserve(texts.size());
     for (const std::string& text : texts) all.push_back({aiv::SpeedRules::Kind::custom, plan_.origin, text});
     const auto runs = run(all);
     if (!runs) return tl::unexpected<Error>(runs.error());
@@ -231,6 +232,7 @@ Result<SearchResult> search_rules(const SearchPlan& plan, Workers& workers,
   std::vector<std::vector<double>> drawn{knots->values()};
   while (!drawn.empty()) {
     std::vector<std::string> texts;
+    texts.reserve(drawn.size());
     for (const auto& values : drawn) texts.push_back(knots->text_with(values));
     auto cases = training.evaluate(texts);
     if (!cases) return tl::unexpected<Error>(cases.error());
