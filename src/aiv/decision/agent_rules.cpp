@@ -14,6 +14,8 @@ namespace {
 
 /// Without a body nothing keeps the vehicle back.
 constexpr double no_leader = 100.0;
+/// No vehicle reports the body: it counts as stationary, and not as the leader in a queue.
+constexpr double unreported_leader = -100.0;
 
 constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
     {"instruction", "", "the operator's instruction: 0 stop, 1 slow, 2 medium, 3 fast, 4 none", no_instruction},
@@ -25,7 +27,7 @@ constexpr std::array<AgentInputInfo, agent_input_count> all_metadata{{
     {"priority", "", "own priority against the other vehicle's: -1 lower, 0 the same, 1 higher", 0.0},
     {"charge", "%", "state of charge of the battery", 100.0},
     {"release", "braking distances", "distance to the end of the base, if more of the order is announced", 10.0},
-    {"leader", "% of the medium speed", "speed of the next body, 0 if it is not known to move", no_leader},
+    {"leader", "% of the medium speed", "speed of the next body, -100 if no vehicle reports it", no_leader},
     {"passed", "braking distances", "distance from the exit of the last crossing", 10.0},
 }};
 constexpr std::string_view go_name = "go";
@@ -88,7 +90,9 @@ AgentInputs inputs_of(const Situation& situation, const zone::SpeedProfiles& pro
           situation.crossing_priority,
           100.0 * situation.charge,
           plain::path_input(situation.release_distance_m, braking_m),
-          is_free ? no_leader : plain::closing_input(situation.speed_mps - closing_mps, profiles.medium.speed_mps),
+          is_free                 ? no_leader
+          : situation.closing_mps ? plain::closing_input(situation.speed_mps - closing_mps, profiles.medium.speed_mps)
+                                  : unreported_leader,
           plain::path_input(situation.passed_m, braking_m)};
 }
 

@@ -230,6 +230,14 @@ TEST(FuzzyChoice, does_not_creep_without_a_leader_nor_with_more_base) {
   EXPECT_EQ(policy.target(room).profile, Profile::medium);
 }
 
+TEST(FuzzyChoice, does_not_creep_behind_a_body_that_no_vehicle_reports) {
+  const FuzzySpeedPolicy policy{AgentRules::built_in(), profiles};
+  Situation unreported = in_queue(0.0);
+  unreported.closing_mps.reset();
+  EXPECT_EQ(policy.target(unreported).profile, Profile::medium);
+  EXPECT_EQ(policy.target(unreported).ratio, 1.0);
+}
+
 TEST(FuzzyChoice, approaches_a_body_that_does_not_move_slowly_as_early_as_the_crisp_policy) {
   // The crisp policy slows down at 0.35 m.
   Situation body{0.4, 0.345, nothing, nothing, 1.0, std::nullopt};

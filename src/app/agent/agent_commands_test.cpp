@@ -94,7 +94,7 @@ TEST(AgentRules, with_errors_end_every_command_with_2_and_their_line) {
     const CommandOutput output = cosiva(command);
     EXPECT_EQ(output.status, 2) << command[0];
     EXPECT_THAT(output.standard_error,
-                HasSubstr("my.fll:285:22: 'charge' has no such term; expected a hedge or low or good"))
+                HasSubstr("my.fll:287:22: 'charge' has no such term; expected a hedge or low or good"))
         << command[0];
   }
   EXPECT_EQ(cosiva({"agent", "explain", "--rules", scratch / "gone.fll"}).status, 2);

@@ -11,10 +11,6 @@
 namespace cosiva::virtual_side {
 namespace {
 
-/// A step of the table is computed in parts, as a vehicle decides more often than that.
-constexpr std::size_t parts = 5;
-constexpr double dt_s = Anticipation::step_s / static_cast<double>(parts);
-
 /// The speed that the vehicle's envelope permits (aiv::Envelope::limit) after `driven_m` and `since_s`.
 double permitted_mps(const Expectation& expected, double driven_m, double since_s) {
   const double braking = expected.target.braking_mps2;
@@ -32,15 +28,12 @@ Anticipation::Anticipation(double speed_mps, const Expectation& expected) : end_
   double driven = 0.0;
   speed_mps_[0] = speed;
   for (std::size_t i = 1; i <= steps; ++i) {
-    for (std::size_t part = 0; part < parts; ++part) {
-      const double since_s = static_cast<double>((i - 1) * parts + part) * dt_s;
-      const double permitted = permitted_mps(expected, driven, since_s);
-      const double rise_mps2 = std::min(expected.target.acceleration_mps2, expected.trend_mps2);
-      const double lowest = std::max(0.0, speed - expected.target.braking_mps2 * dt_s);
-      const double next = std::max(lowest, std::min(permitted, speed + rise_mps2 * dt_s));
-      driven = std::min(driven + 0.5 * (speed + next) * dt_s, end_m_);
-      speed = next;
-    }
+    const double permitted = permitted_mps(expected, driven, static_cast<double>(i - 1) * step_s);
+    const double rise_mps2 = std::min(expected.target.acceleration_mps2, expected.trend_mps2);
+    const double lowest = std::max(0.0, speed - expected.target.braking_mps2 * step_s);
+    const double next = std::max(lowest, std::min(permitted, speed + rise_mps2 * step_s));
+    driven = std::min(driven + 0.5 * (speed + next) * step_s, end_m_);
+    speed = next;
     distance_m_[i] = driven;
     speed_mps_[i] = speed;
     COSIVA_EXPECT(distance_m_[i] >= distance_m_[i - 1]);

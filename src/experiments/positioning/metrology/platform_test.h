@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cosiva/base/time.h"
-#include "cosiva/experiments/positioning/metrology/live_run.h"
 #include "cosiva/experiments/positioning/metrology/ground_truth_source.h"
+#include "cosiva/experiments/positioning/metrology/live_run.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
