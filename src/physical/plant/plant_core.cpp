@@ -436,7 +436,7 @@ void PlantCore::Impl::on_message(const wire::Input& input, wire::Effects& effect
   if (input.source == wire::plant_command_topic) return on_command(input.payload, message_bytes_max, effects);
   if (const auto vehicle = wire::parse_own_topic(wire::plant_position_request_topic_prefix, input.source)) {
     if (!options.publish_ground_truth) return;
-    if (auto position = ground_truth.actual_position(input.at, *vehicle, input.payload, vehicles))
+    if (auto position = GroundTruthPublisher::actual_position(input.at, *vehicle, input.payload, vehicles))
       effects.emplace_back(std::move(*position));
     return;
   }

@@ -30,7 +30,9 @@ void AivProxy::on_returned(SimTime now) {
   next.settings.set_priority(settings.priority());
   next.sent = sent;
   next.counters = counters;
-  static_cast<AgentProxy&>(next) = *this;
+  AgentProxy& counts = next;
+  const AgentProxy& counts_before = *this;
+  counts = counts_before;
   *this = std::move(next);
 }
 
