@@ -23,11 +23,13 @@ void Forecast::set_map(const WaypointGraph* map) {
   map_ = map;
   rules_.reset();
   crossings_.reset();
+  zone_ = map == nullptr ? nullptr : context_.simulator.zone();
   if (map == nullptr) return;
-  auto rules = aiv::make_speed_policy(context_.options.virtual_rules, map->zone().profiles);
+  COSIVA_EXPECT(zone_ && zone_->name == map->zone().name);
+  auto rules = aiv::make_speed_policy(context_.options.virtual_rules, zone_->profiles);
   COSIVA_EXPECT(rules.has_value());
   rules_ = std::move(*rules);
-  crossings_.emplace(map->zone());
+  crossings_.emplace(*zone_);
 }
 
 std::optional<Expectation> Forecast::expectation_of(VehicleIndex vehicle, const Twin& twin) const {

@@ -98,6 +98,15 @@ TEST_F(Forecasted, vehicle_of_unknown_rules_moves_on_at_its_speed) {
   EXPECT_NEAR(moved_m(scene, 200ms), 0.15 * 0.2, 0.002);
 }
 
+TEST_F(Forecasted, vehicle_is_expected_to_move_as_before_after_an_edit_of_the_zone) {
+  Scene scene{"CoSiVA"};
+  const std::string edit = R"({"command":"edit","edit":{"priorities":{"CoSiVA/agv-7":5}}})";
+  ASSERT_EQ(scene.fixture.refusal(edit), "");
+  scene.fixture.send_command(edit);  // the zone before the edit exists no longer
+  report(scene, 0.1, 0.15, 1.2);
+  EXPECT_NEAR(moved_m(scene, 200ms), 0.15 * 0.2 + 0.25 * 0.04, 0.003);
+}
+
 TEST_F(Forecasted, nothing_is_expected_where_anticipation_is_switched_off) {
   Scene scene{"CoSiVA", false};
   report(scene, 0.1, 0.15, 1.2);
