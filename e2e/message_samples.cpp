@@ -235,6 +235,21 @@ bool connections(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   return true;
 }
 
+/// The unit of one crossing hears four vehicles by the broker; it is switched off and on.
+bool crossing_unit(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
+  experiments::WorldOptions options = world_of(zone, 4);
+  options.units.push_back({"X1"});
+  Run run{trace, std::move(options), {wire::unit_topic_prefix, wire::plant_unit_topic}};
+  if (!run.made()) return false;
+  run.world().run_for(10s);
+  for (const char* on : {"false", "true"}) {
+    run.world().command_server(R"({"command":"plant","plant":{"setUnit":{"crossing":"X1","on":)" + std::string{on} +
+                               "}}}");
+    run.world().run_for(2s);
+  }
+  return true;
+}
+
 /// The server is one of several, and claims the vehicles on its floor.
 bool several_servers(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   experiments::WorldOptions options = world_of(zone, 2);
@@ -302,9 +317,13 @@ int main(int argc, char** argv) {
     return 2;
   }
   constexpr std::pair<const char*, bool (*)(app::TraceWriter&, const zone::ZoneConfiguration&)> parts[] = {
-      {"qualification", qualification},     {"moves", moves},
-      {"battery test", battery_test},       {"connections", connections},
-      {"several servers", several_servers}, {"camera", camera}};
+      {"qualification", qualification},
+      {"moves", moves},
+      {"battery test", battery_test},
+      {"connections", connections},
+      {"crossing unit", crossing_unit},
+      {"several servers", several_servers},
+      {"camera", camera}};
   int status = 0;
   for (const auto& [name, part] : parts) {
     if (part(**trace, zone)) continue;
