@@ -235,7 +235,7 @@ bool connections(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   return true;
 }
 
-/// The unit of one crossing hears four vehicles by the broker; it is switched off and on.
+/// The unit of one crossing receives the messages of four vehicles by the broker; it is switched off and on.
 bool crossing_unit(app::TraceWriter& trace, const zone::ZoneConfiguration& zone) {
   experiments::WorldOptions options = world_of(zone, 4);
   options.units.push_back({"X1"});
