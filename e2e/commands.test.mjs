@@ -223,10 +223,10 @@ test('every command by mouse and by keyboard', { timeout: 240_000 }, async (t) =
   });
 
   await t.test('the self-test of a stopped AIV by mouse, with the result of every part; the messages through the proxies on board', async () => {
-    await page.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
+    await keys.getByRole('button', { name: 'Stop AIV2', exact: true }).click();
     await ground_truth.stands(2, 5_000);
-    await page.getByRole('button', { name: /^Boards/ }).first().click();
-    const boards = page.locator('section').filter({ has: page.getByTestId('self-test') }).filter({ has: page.getByRole('button', { name: 'AIV2' }) });
+    await keys.getByRole('button', { name: /^Boards/ }).first().click();
+    const boards = keys.locator('section').filter({ has: keys.getByTestId('self-test') }).filter({ has: keys.getByRole('button', { name: 'AIV2' }) });
     await boards.getByTestId('self-test').click();
     const result = await eventually('the parts are tested', async () => {
       const text = await boards.locator('[data-self-test]').textContent({ timeout: 1_000 }).catch(() => '');

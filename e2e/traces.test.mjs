@@ -146,7 +146,7 @@ test('the communications are listed, found, read and drawn', { timeout: 180_000 
     const lines = (await save(/NDJSON/)).trim().split('\n').map((line) => JSON.parse(line));
     assert.ok(lines.length >= wanted && lines.every(({ from, to }) => from === 'Simulator' || to === 'Simulator'));
     const csv = (await save(/CSV/)).trim().split('\r\n');
-    assert.equal(csv[0], 'n,time,from,to,kind,content');
+    assert.equal(csv[0], 'n,time,from,to,via,kind,content');
     assert.ok(csv.length - 1 >= wanted);
     await show_all();
   });
