@@ -18,6 +18,7 @@ WorldOptions fleet(std::uint32_t aivs, std::optional<SimDuration> cycle, std::ui
   options.seed = seed;
   options.cycle = cycle;
   options.as_values = true;
+  options.rules = {};  // crisp: the figures are of these
   return options;
 }
 
