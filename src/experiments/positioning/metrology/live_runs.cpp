@@ -7,7 +7,6 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/json_value.h"
-#include "cosiva/base/json_writer.h"
 
 namespace cosiva::experiments {
 namespace {
@@ -42,13 +41,6 @@ bool is_of(const JsonValue& line, const wire::VehicleId& vehicle) {
   const auto number = line.number("number");
   const auto own = vehicle.manufacturer == wire::our_manufacturer ? number_of(vehicle.serial_number) : std::nullopt;
   return number && own && *number == static_cast<double>(*own);
-}
-
-std::string command_json(const char* command, const wire::VehicleId& vehicle, std::optional<double> speed_mps) {
-  JsonWriter json;
-  json.begin_object().field("command", command).field("vehicle", to_string(vehicle));
-  if (speed_mps) json.field("speed", *speed_mps);
-  return json.end_object().take();
 }
 
 }  // namespace
@@ -143,8 +135,7 @@ void LiveRuns::begin(SimTime now, Slot& slot, Responses& responses) {
   slot.received = slot.moved = now;
   if (!slot.ground_truth_received) slot.ground_truth_received = now;  // waited for from now on
   // AIV.move: a stopped vehicle drives on, at the requested speed.
-  responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
-  if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
+  responses.drive(slot.vehicle, options_.speed_mps);
   send_requests(now, slot, responses);
 }
 

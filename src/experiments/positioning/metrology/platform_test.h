@@ -6,9 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "cosiva/base/json_writer.h"
 #include "cosiva/base/time.h"
 #include "cosiva/experiments/positioning/metrology/ground_truth_source.h"
 #include "cosiva/experiments/positioning/metrology/live_run.h"
+#include "cosiva/wire/messages/topics.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
@@ -22,6 +24,17 @@ class PlatformTest {
     std::vector<wire::Publish> messages;
     std::vector<std::string> commands;           ///< to the server, as /api/v1/commands takes them, in this order
     std::vector<std::string> operator_messages;  ///< to the operator
+    /// The vehicle drives, although an operator has stopped it.
+    /// @param speed_mps  at most this fast; nothing: at its present speed
+    void drive(const wire::VehicleId& vehicle, std::optional<double> speed_mps) {
+      const auto command = [&](const char* name) {
+        JsonWriter json;
+        json.begin_object().field("command", name).field("vehicle", to_string(vehicle));
+        return json;
+      };
+      commands.push_back(command("restart").end_object().take());
+      if (speed_mps) commands.push_back(command("limit").field("speed", *speed_mps).end_object().take());
+    }
   };
   struct Progress {
     std::size_t complete{};

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "cosiva/base/expect.h"
-#include "cosiva/base/json_writer.h"
 #include "cosiva/wire/own/gvs.h"
 #include "cosiva/wire/vda5050/codec.h"
 
@@ -20,13 +19,6 @@ constexpr SimDuration source_found_after = std::chrono::milliseconds{500};
 constexpr unsigned begun_max = 4;
 /// The trace of a run of 100 000 moves is not for readers.
 constexpr std::size_t calls_max = 100'000;
-
-std::string command_json(const char* command, const wire::VehicleId& vehicle, std::optional<double> speed_mps) {
-  JsonWriter json;
-  json.begin_object().field("command", command).field("vehicle", to_string(vehicle));
-  if (speed_mps) json.field("speed", *speed_mps);
-  return json.end_object().take();
-}
 
 std::string fixed(double value) {
   std::array<char, 40> text{};
@@ -79,8 +71,7 @@ void PredictThenMove::begin(SimTime now, Slot& slot, Responses& responses) {
   ++slot.begun;
   if (slot.index == 0) calls_.clear();
   // A vehicle that an operator has stopped drives on; its moves are limited from the loop's first command on.
-  responses.commands.push_back(command_json("restart", slot.vehicle, std::nullopt));
-  if (options_.speed_mps) responses.commands.push_back(command_json("limit", slot.vehicle, options_.speed_mps));
+  responses.drive(slot.vehicle, options_.speed_mps);
   (void)slot.loop->tick(now);
 }
 
