@@ -113,7 +113,9 @@ class MoveFixture {
     const double along_m = static_cast<double>(moved - 1) * step_m;
     if (request.sequence == 1) {
       const auto at = simulation.track->position_at(0.0);
-      response.start.emplace().section = lacet4()->circuit.part(at.section).name;
+      wire::EstimateResponse::Start start;
+      start.section = lacet4()->circuit.part(at.section).name;
+      response.start = start;
     }
     for (std::size_t i = 0; i < algorithms_.size(); ++i) {
       auto& estimate = response.estimates.emplace_back();
