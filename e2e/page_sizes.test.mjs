@@ -14,10 +14,15 @@ import { artefacts_dir, Platform, sleep } from './lib/platform.mjs';
 const age_limit_ms = 150;
 const axe_widths = new Set([390, 1366]);
 
-/** Dates the last report of any vehicle that came so late that the age of its twin may have been over the limit. Samples of
- *  the ages would miss an excess of a few milliseconds between two of them. */
+/** Dates the last moment at which the age of a twin may have been over the limit: a report came late, or the server
+ *  measured late, as both do on a busy machine. Samples of the ages would miss an excess between two of them. */
 async function follow_late_reports(t, platform) {
-  const late = { at_ms: Date.now() };
+  const late = { at_ms: Date.now(), server_ms: Infinity };
+  late.watch_server = async () => {
+    const { mean, count } = (await platform.get('bijection')).late_ms;
+    if (mean * count - late.server_ms > age_limit_ms / 5) late.at_ms = Date.now();
+    late.server_ms = mean * count;
+  };
   const received_ms = new Map();
   const bus = await Bus.open(t, await platform.broker_port(), ['uagv/v2/CoSiVA/+/visualization', 'uagv/v2/CoSiVA/+/state']);
   bus.on_message((topic) => {
@@ -91,8 +96,9 @@ test('the page at four sizes', { timeout: 120_000 }, async (t) => {
     }
     // On a busy machine a later report may be late, too: the five seconds count from the last one.
     for (; (await verdict()) !== 'kept'; await sleep(50)) {
+      await late.watch_server();
       const since_ms = Date.now() - late.at_ms;
-      assert.ok(since_ms < 5_000, `still ${await verdict()} ${since_ms} ms after the last report that was late`);
+      assert.ok(since_ms < 5_000, `still ${await verdict()} ${since_ms} ms after the last report or measurement that was late`);
     }
     assert.ok((await platform.get('bijection')).age_ms.max > age_limit_ms, 'the figures of the run include it');
   });
