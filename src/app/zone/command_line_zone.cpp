@@ -80,17 +80,19 @@ void describe_convert(Command command, ZoneArguments& zone) {
 
 constexpr const char* generate_examples =
     "A plant has rows of storage aisles between two lanes each, bays with a station along the aisles, and chargers.\n"
+    "A grid or a loop has nodes at which vehicles turn on the spot, joined by tracks. A loop is driven both ways;\n"
+    "so is a grid with --two-way, otherwise its rows and columns are one-way. Their bays are dead ends one vehicle\n"
+    "deep, with a station at the end; without bays stations are at nodes.\n"
     "\n"
     "Examples:\n"
     "  cosiva zone generate -o plant.toml                     4 rows of 8 aisles of up to 6 bays\n"
     "  cosiva zone generate --sections 1000 -o plant.toml     slightly more than a thousand sections\n"
-    "  cosiva zone generate --rows 2 --aisles 4 --seed 7 -o small.lif.json";
+    "  cosiva zone generate --rows 2 --aisles 4 --seed 7 -o small.lif.json\n"
+    "  cosiva zone generate --grid 6x5 --pitch 3 --bays 8 --two-way -o grid.toml   6 columns, 5 rows\n"
+    "  cosiva zone generate --loop 12 --bays 6 -o loop.toml   12 nodes, 6 of them with a bay outside the loop";
 
-void describe_generate(Command command, GenerateArguments& generate) {
+void describe_plant(Command command, GenerateArguments& generate) {
   zone::PlantOptions& plant = generate.plant;
-  command.add_option("-o,--out", generate.out_file, "the new file; its ending determines the format")
-      .value_name("OUT")
-      .required();
   const Option sections =
       command.add_option("--sections", generate.sections, "minimum number of sections, with an automatic layout")
           .value_name("N")
@@ -100,20 +102,51 @@ void describe_generate(Command command, GenerateArguments& generate) {
   };
   number("--rows", plant.rows, "rows of aisles").excludes(sections);
   number("--aisles", plant.aisles, "aisles in each row").excludes(sections);
-  number("--bays", plant.bays, "bays along each aisle").excludes(sections);
   command.add_option("--bay-ratio", plant.bay_ratio, "ratio of bays that exist")
       .value_name("P")
       .in_range(0.0, 1.0)
       .show_default();
-  command.add_option("--seed", plant.seed, "determines which bays exist, their positions and lengths")
+  command
+      .add_option("--bays", generate.bays,
+                  "bays along each aisle; without: 6. Of a grid or a loop: bays in all; without: 0")
+      .value_name("N")
+      .excludes(sections);
+}
+
+void describe_floor(Command command, GenerateArguments& generate) {
+  const Option grid =
+      command.add_option("--grid", generate.grid, "a grid of C columns and R rows of nodes").value_name("CxR");
+  const Option loop = command.add_option("--loop", generate.loop, "a loop of N nodes").value_name("N");
+  command.add_option("--pitch", generate.pitch_m, "of a grid or a loop: from node to node")
+      .value_name("M")
+      .show_default();
+  command.add_flag("--two-way", generate.two_way, "of a grid: each track has a section in each direction").needs(grid);
+  loop.excludes(grid);
+  for (const char* plant : {"--sections", "--rows", "--aisles", "--bay-ratio"}) {
+    grid.excludes(command.option(plant));
+    loop.excludes(command.option(plant));
+  }
+}
+
+void describe_generate(Command command, GenerateArguments& generate) {
+  zone::PlantOptions& plant = generate.plant;
+  command.add_option("-o,--out", generate.out_file, "the new file; its ending determines the format")
+      .value_name("OUT")
+      .required();
+  describe_plant(command, generate);
+  describe_floor(command, generate);
+  command.add_option("--seed", plant.seed, "determines which bays exist, their positions and lengths, and the starts")
       .value_name("S")
       .show_default();
   command.add_option("--length", plant.vehicle.length_m, "of the vehicle that the layout is made for")
       .value_name("M")
       .show_default();
   command.add_option("--width", plant.vehicle.width_m, "of the vehicle").value_name("M").show_default();
-  number("--starts", plant.starts, "maximum number of start positions of an emulated fleet");
-  command.add_option("--name", plant.name, "of the zone").value_name("TEXT").show_default();
+  command
+      .add_option("--starts", generate.starts,
+                  "maximum number of start positions of an emulated fleet; without: 12, of a grid or a loop 24")
+      .value_name("N");
+  command.add_option("--name", generate.name, "of the zone; without: plant, grid or loop").value_name("TEXT");
   command.footer(generate_examples);
 }
 

@@ -72,6 +72,9 @@ TEST(ZoneCommands, with_missing_or_surplus_arguments_end_with_2) {
       {"zone", "generate", "--sections", "0", "-o", "x.toml"},
       {"zone", "generate", "--sections", "100", "--rows", "2", "-o", "x.toml"},
       {"zone", "generate", "--bay-ratio", "2", "-o", "x.toml"},
+      {"zone", "generate", "--grid", "6x5", "--loop", "12", "-o", "x.toml"},
+      {"zone", "generate", "--grid", "6x5", "--rows", "2", "-o", "x.toml"},
+      {"zone", "generate", "--loop", "12", "--two-way", "-o", "x.toml"},
       {"zone", "switch", zones + "lacet4.toml", "--url", "localhost"},
       {"zone", "switch", zones + "lacet4.toml", "--broker", "nowhere:"}};
   for (const auto& arguments : all) {
@@ -221,6 +224,45 @@ TEST(ZoneGenerate, names_invalid_numbers) {
   EXPECT_EQ(output.status, 2);
   EXPECT_THAT(output.standard_error, HasSubstr("rows"));
   EXPECT_EQ(cosiva({"zone", "generate", "-o", scratch / "a.txt"}).status, 2);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(ZoneGenerate, generates_two_way_grids_and_loops_that_can_be_checked_drawn_and_written_as_lif) {
+  Scratch scratch;
+  const std::string grid = scratch / "grid.toml";
+  const CommandOutput output =
+      cosiva({"zone", "generate", "--grid", "6x5", "--pitch", "3", "--bays", "8", "--two-way", "-o", grid, "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  // Each of 49 tracks and 8 bays in both directions.
+  EXPECT_EQ(JsonValue::parse(output.data)->number("sections"), 2.0 * (49 + 8));
+  EXPECT_EQ(JsonValue::parse(output.data)->number("stations"), 8.0);
+  EXPECT_EQ(JsonValue::parse(output.data)->text("zone"), "grid");
+  const std::string loop = scratch / "loop.lif.json";
+  EXPECT_EQ(cosiva({"zone", "generate", "--loop", "12", "--bays", "6", "--name", "round", "-o", loop}).status, 0);
+  for (const std::string& file : {grid, loop}) {
+    const auto checked = JsonValue::parse(cosiva({"zone", "check", file, "--json"}).data);
+    ASSERT_TRUE(checked);
+    EXPECT_EQ(checked->flag("good"), true) << file;
+    EXPECT_THAT(cosiva({"zone", "show", file}).data, HasSubstr("</svg>"));
+  }
+  EXPECT_EQ(JsonValue::parse(cosiva({"zone", "check", loop, "--json"}).data)->number("sections"), 2.0 * (12 + 6));
+  EXPECT_EQ(cosiva({"zone", "generate", "--grid", "4x4", "--starts", "3", "-o", grid}).status, 0) << "one-way";
+}
+
+TEST(ZoneGenerate, names_impossible_grids_and_loops_and_writes_nothing) {
+  Scratch scratch;
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"zone", "generate", "-o", scratch / "a.toml"});
+    const CommandOutput output = cosiva(options);
+    EXPECT_EQ(output.status, 2) << options.back();
+    return output.standard_error;
+  };
+  for (const char* size : {"6", "6x", "x5", "6x5x4", "6 x 5", "-6x5", "6X5", "a", "99999999999x2"})
+    EXPECT_THAT(refusal({"--grid", size}), HasSubstr("--grid: expected columns and rows, such as 6x5")) << size;
+  EXPECT_THAT(refusal({"--grid", "0x5", "--two-way"}), HasSubstr("1 to 1000 columns"));
+  EXPECT_THAT(refusal({"--grid", "6x5", "--pitch", "1"}), HasSubstr("expected a pitch of 1.55 m"));
+  EXPECT_THAT(refusal({"--grid", "6x5", "--bays", "23"}), HasSubstr("at most 22 bays"));
+  EXPECT_THAT(refusal({"--loop", "2"}), HasSubstr("3 to 10000 nodes"));
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
 

@@ -286,6 +286,20 @@ TEST(Check, counts_a_closed_section_as_left_but_never_entered) {
   EXPECT_THAT(of_code(zone, "zone.unreachable"), IsEmpty()) << "no start to come from";
 }
 
+// TrafficZone::start_positions takes such a start.
+TEST(Check, permits_a_start_inside_a_crossing_at_a_waypoint_only) {
+  TrafficZone zone = loop_with_spur();
+  zone.waypoints = {{"w", {0, 0.0}}, {"node", {0, 1.6}}, {"w", {2, 0.0}}};
+  zone.crossings = {{"X1", {}, {{0, 1.5, 1.8}}}};
+  zone.starts = {{0, 1.6}};
+  EXPECT_THAT(of_code(zone, "zone.start"), IsEmpty());
+  EXPECT_THAT(zone.start_positions(1), ElementsAre(TrackPosition{0, 1.6}));
+  for (const double s_m : {1.57, 1.63}) {
+    zone.starts = {{0, s_m}};
+    EXPECT_THAT(of_code(zone, "zone.start"), SizeIs(1)) << s_m;
+  }
+}
+
 TEST(Check, distinguishes_starts_that_are_too_near_from_those_where_no_vehicle_may_stop) {
   TrafficZone zone = loop_with_spur();
   zone.waypoints = {{"w", {0, 0.0}}, {"w", {2, 0.0}}};

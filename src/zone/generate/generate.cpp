@@ -1,7 +1,6 @@
 #include "cosiva/zone/generate/generate.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "cosiva/base/expect.h"
 #include "cosiva/base/random.h"
 #include "cosiva/zone/check/check.h"
+#include "cosiva/zone/generate/generated_text.h"
 #include "cosiva/zone/generate/plant_size.h"
 #include "cosiva/zone/geometry/section.h"
 
@@ -18,21 +18,11 @@ namespace {
 
 constexpr double deg_per_rad = 180.0 / pi;
 constexpr std::size_t sections_max = 200'000;
-constexpr double clearance_m = 0.10;
-
-/// To a micrometre: a thousandth of a joint's allowed gap, and short to read.
-double rounded(double value) { return std::nearbyint(value * 1e6) / 1e6; }
 
 /// At most 0.6 m/s, and slow enough for loads, in whole centimetres per second.
 double bend_mps(double curvature_per_m) {
   const double borne_mps = std::sqrt(CheckLimits{}.lateral_mps2 / std::fabs(curvature_per_m));
   return std::min(0.6, std::floor(borne_mps * 100.0) / 100.0);
-}
-
-std::string text_of(double value) {
-  char buffer[32];
-  const double shown = rounded(value);
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, shown == 0.0 ? 0.0 : shown).ptr};
 }
 
 /// One section of the file to be written.
@@ -61,7 +51,7 @@ struct Stop {
 struct Scale {
   explicit Scale(const VehicleShape& vehicle)
       : unit_m{std::max(vehicle.length_m, 1.2 * vehicle.width_m)},
-        bay_offset_m{rounded(vehicle.width_m + clearance_m + 0.4 * unit_m)},
+        bay_offset_m{rounded(vehicle.width_m + generated_clearance_m + 0.4 * unit_m)},
         ease_radius_m{bay_offset_m / (2.0 - std::sqrt(2.0))},
         ease_m{std::sqrt(2.0) * ease_radius_m},
         turn_curvature_per_m{1.0 / (1.2 * unit_m)},
@@ -369,29 +359,8 @@ void Plant::write_head(std::string& out) const {
   out.append(" aisles with up to ").append(number(options_.bays)).append(" bays each, ");
   out.append(number(tracks_.size())).append(" sections, seed ").append(number(options_.seed)).append(".\n");
   out.append("# Made by `cosiva zone generate`; docs/guide/zones.md explains every field.\n");
-  out.append("name = \"").append(options_.name).append("\"\nformat_version = 1\n\n[vehicle]\nlength_m = ");
-  out.append(text_of(options_.vehicle.length_m)).append("\nwidth_m = ").append(text_of(options_.vehicle.width_m));
-  out.append(R"(
-
-[profiles.slow]
-speed_mps = 0.3
-acceleration_mps2 = 0.3
-braking_mps2 = 0.6
-
-[profiles.medium]
-speed_mps = 0.8
-acceleration_mps2 = 0.5
-braking_mps2 = 0.8
-
-[profiles.fast]
-speed_mps = 1.5
-acceleration_mps2 = 0.8
-braking_mps2 = 1.0
-
-[crossings]
-clearance_m = )");
-  out.append(text_of(clearance_m)).append("\n\n[waypoints]\nspacing_m = ").append(text_of(2.0 * scale_.unit_m));
-  out.append("\n");
+  zone::write_head(out, options_.name, options_.vehicle);
+  out.append("[waypoints]\nspacing_m = ").append(text_of(2.0 * scale_.unit_m)).append("\n");
 }
 
 void Plant::write_tracks(std::string& out) const {
@@ -479,12 +448,8 @@ Result<std::string> generate_plant(const PlantOptions& options) {
     return out_of_range("these rows, aisles and bays may make " + std::to_string(plant_sections_max(options)) +
                         " sections; expected at most " + std::to_string(sections_max));
   }
-  const auto good = [](double size_m) { return size_m >= 0.05 && size_m <= 5.0; };
-  if (!good(options.vehicle.length_m) || !good(options.vehicle.width_m))
-    return out_of_range("expected a vehicle of 0.05 to 5 m, long and wide");
-  const auto plain = [](char c) { return static_cast<unsigned char>(c) >= 0x20 && c != 0x7F && c != '"' && c != '\\'; };
-  if (options.name.empty() || options.name.size() > 64 || !std::all_of(options.name.begin(), options.name.end(), plain))
-    return out_of_range("expected a name of 1 to 64 bytes without control characters, quotes and backslashes");
+  if (auto checked = check_vehicle_and_name(options.vehicle, options.name); !checked)
+    return tl::unexpected(std::move(checked).error());
   return Plant{options}.text();
 }
 
