@@ -1,0 +1,107 @@
+#include "cosiva/planning/passing/passing_order.h"
+
+#include <algorithm>
+
+#include "cosiva/base/expect.h"
+
+namespace cosiva::planning {
+
+PassingOrder::PassingOrder(const Floor& floor) : floor_{&floor}, queues_(floor.cells()) {}
+
+void PassingOrder::begin(std::span<const StateId> states) {
+  for (auto& queue : queues_) queue.clear();
+  vehicles_.clear();
+  for (std::uint32_t vehicle = 0; vehicle < states.size(); ++vehicle) {
+    vehicles_.push_back({{states[vehicle]}, 0, 0});
+    for (const CellId cell : floor_->footprint(states[vehicle])) {
+      COSIVA_EXPECT(queues_[cell].empty());
+      queues_[cell].push_back({vehicle, 0});
+    }
+  }
+}
+
+std::span<const CellId> PassingOrder::sweep_of(StateId from, StateId to) const {
+  const auto successors = floor_->successors(from);
+  const auto move = std::ranges::find(successors, to);
+  COSIVA_EXPECT(move != successors.end());
+  return floor_->sweep(from, static_cast<std::size_t>(move - successors.begin()));
+}
+
+template <typename Visit>
+void PassingOrder::each_entered(StateId from, StateId to, Visit&& visit) const {
+  const auto own = floor_->footprint(from);
+  for (const CellId cell : floor_->footprint(to))
+    if (!std::ranges::binary_search(own, cell)) visit(cell);
+  for (const CellId cell : sweep_of(from, to)) visit(cell);
+}
+
+void PassingOrder::add_step(std::span<const StateId> next) {
+  COSIVA_EXPECT(next.size() == vehicles_.size());
+  for (std::uint32_t vehicle = 0; vehicle < next.size(); ++vehicle) {
+    VehicleMoves& moves = vehicles_[vehicle];
+    const StateId from = moves.states.back();
+    if (next[vehicle] == from) continue;
+    enter(vehicle, from, next[vehicle], moves.done + moves.states.size());
+    moves.states.push_back(next[vehicle]);
+  }
+}
+
+void PassingOrder::enter(std::uint32_t vehicle, StateId from, StateId to, std::uint64_t move) {
+  each_entered(from, to, [&](CellId cell) { queues_[cell].push_back({vehicle, move}); });
+}
+
+void PassingOrder::drop_planned() {
+  for (std::uint32_t vehicle = 0; vehicle < vehicles_.size(); ++vehicle) {
+    VehicleMoves& moves = vehicles_[vehicle];
+    while (moves.states.size() > moves.granted + 1) {
+      const StateId to = moves.states.back();
+      moves.states.pop_back();
+      const std::uint64_t move = moves.done + moves.states.size();
+      each_entered(moves.states.back(), to, [&](CellId cell) {
+        std::erase_if(queues_[cell], [&](const Use& use) { return use.vehicle == vehicle && use.first == move; });
+      });
+    }
+  }
+}
+
+std::optional<std::uint32_t> PassingOrder::waits_for(std::uint32_t vehicle) const {
+  const VehicleMoves& moves = vehicles_[vehicle];
+  if (planned_moves(vehicle) == 0) return std::nullopt;
+  std::optional<std::uint32_t> other;
+  const std::uint64_t move = moves.done + moves.granted + 1;
+  each_entered(moves.states[moves.granted], moves.states[moves.granted + 1], [&](CellId cell) {
+    for (const Use& use : queues_[cell]) {
+      if (other || (use.vehicle == vehicle && use.first == move)) break;
+      if (use.vehicle != vehicle) other = use.vehicle;
+    }
+  });
+  return other;
+}
+
+bool PassingOrder::grant(std::uint32_t vehicle) {
+  if (planned_moves(vehicle) == 0 || waits_for(vehicle)) return false;
+  ++vehicles_[vehicle].granted;
+  return true;
+}
+
+void PassingOrder::leave(std::uint32_t vehicle, CellId cell) {
+  auto& queue = queues_[cell];
+  COSIVA_EXPECT(!queue.empty() && queue.front().vehicle == vehicle);
+  queue.pop_front();
+}
+
+void PassingOrder::arrive(std::uint32_t vehicle) {
+  VehicleMoves& moves = vehicles_[vehicle];
+  COSIVA_EXPECT(moves.granted > 0);
+  const StateId from = moves.states[0];
+  const StateId to = moves.states[1];
+  const auto needed = floor_->footprint(to);
+  for (const CellId cell : floor_->footprint(from))
+    if (!std::ranges::binary_search(needed, cell)) leave(vehicle, cell);
+  for (const CellId cell : sweep_of(from, to)) leave(vehicle, cell);
+  moves.states.pop_front();
+  --moves.granted;
+  ++moves.done;
+}
+
+}  // namespace cosiva::planning

@@ -1,0 +1,313 @@
+#include "cosiva/planning/track/track_floor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "cosiva/base/expect.h"
+#include "cosiva/planning/track/swept_area.h"
+
+namespace cosiva::planning {
+namespace {
+
+constexpr double same_point_m = 0.01;  // states nearer than this are at one point
+constexpr double at_joint_m = 1e-6;
+// Sections without waypoint that a move may pass; only a malicious file has more.
+constexpr std::size_t sections_max = 256;
+
+/// Calls found(i, j), i < j, for each pair of areas that touch.
+template <typename Found>
+void each_touching(const std::vector<SweptArea>& areas, Found&& found) {
+  std::vector<std::uint32_t> order(areas.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return areas[i].x_min_m(); });
+  for (std::size_t a = 0; a < order.size(); ++a)
+    for (std::size_t b = a + 1; b < order.size() && areas[order[b]].x_min_m() <= areas[order[a]].x_max_m(); ++b)
+      if (areas[order[a]].touches(areas[order[b]])) found(std::min(order[a], order[b]), std::max(order[a], order[b]));
+}
+
+}  // namespace
+
+/// Makes the description of a zone's floor. Invariant: `areas_` are those of the states, then those of the moves.
+class TrackFloor::Builder {
+ public:
+  Builder(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed)
+      : zone_{zone}, closed_{closed}, waypoint_at_start_(zone.circuit.size(), false) {}
+
+  [[nodiscard]] TrackFloor build();
+
+ private:
+  void lay_states();
+  void lay_moves();
+  void follow(StateId from, zone::SectionId section, std::vector<zone::SectionId>& sections);
+  [[nodiscard]] std::optional<StateId> first_on(zone::SectionId section) const;
+  [[nodiscard]] std::optional<StateId> before(zone::SectionId section) const;
+  void find_cells();
+  void add_footprints(const std::vector<std::uint32_t>& point_of);
+  [[nodiscard]] std::vector<std::uint32_t> find_points();
+  [[nodiscard]] SweptArea area_of(const Move& move) const;
+  void add_sweeps(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& touching);
+  [[nodiscard]] bool have_common_cell(StateId a, StateId b) const;
+  [[nodiscard]] std::vector<StateId> states_at(Point2 point) const;
+  [[nodiscard]] double end_m(zone::SectionId section) const { return zone_.circuit.section(section).length_m(); }
+  [[nodiscard]] bool is_closed(zone::SectionId section) const {
+    return std::ranges::find(closed_, section) != closed_.end();
+  }
+
+  const zone::TrafficZone& zone_;
+  std::span<const zone::SectionId> closed_;
+  std::vector<bool> waypoint_at_start_;
+  std::vector<zone::TrackPosition> states_;
+  std::vector<Move> moves_;
+  FloorDescription description_;
+};
+
+// --- states and moves -----------------------------------------------------------------------------------------------
+
+void TrackFloor::Builder::lay_states() {
+  const zone::Circuit& circuit = zone_.circuit;
+  std::vector<bool> joint(circuit.size(), false);
+  for (const zone::Waypoint& waypoint : zone_.waypoints) {
+    const zone::TrackPosition at = waypoint.position;
+    if (at.s_m > at_joint_m) {
+      if (at.s_m < end_m(at.section) - at_joint_m)
+        states_.push_back(at);
+      else
+        joint[at.section] = true;
+      continue;
+    }
+    waypoint_at_start_[at.section] = true;
+    for (const zone::SectionId before : circuit.previous(at.section)) joint[before] = true;
+    if (circuit.previous(at.section).empty()) states_.push_back({at.section, 0.0});
+  }
+  for (zone::SectionId section = 0; section < circuit.size(); ++section)
+    if (joint[section]) states_.push_back({section, end_m(section)});
+  std::ranges::sort(states_, {}, [](const zone::TrackPosition& at) { return std::pair{at.section, at.s_m}; });
+}
+
+std::optional<StateId> TrackFloor::Builder::first_on(zone::SectionId section) const {
+  const auto first = std::ranges::lower_bound(states_, std::pair{section, 0.0}, {}, [](const zone::TrackPosition& at) {
+    return std::pair{at.section, at.s_m};
+  });
+  if (first == states_.end() || first->section != section) return std::nullopt;
+  return static_cast<StateId>(first - states_.begin());
+}
+
+std::optional<StateId> TrackFloor::Builder::before(zone::SectionId section) const {
+  std::optional<StateId> best;
+  double least_rad = 2.0 * pi;
+  for (StateId state = 0; state < states_.size(); ++state) {
+    const zone::TrackPosition at = states_[state];
+    const auto previous = zone_.circuit.previous(section);
+    if (at.s_m < end_m(at.section) || std::ranges::find(previous, at.section) == previous.end()) continue;
+    const double turn_rad = std::fabs(zone_.circuit.turn_at(at.section, section));
+    if (turn_rad >= least_rad) continue;
+    best = state;
+    least_rad = turn_rad;
+  }
+  return best;
+}
+
+void TrackFloor::Builder::lay_moves() {
+  std::vector<zone::SectionId> sections;
+  for (StateId from = 0; from < states_.size(); ++from) {
+    if (from + 1 < states_.size() && states_[from + 1].section == states_[from].section) {
+      moves_.push_back({from, from + 1, {}});
+      continue;
+    }
+    for (const zone::SectionId next : zone_.circuit.next(states_[from].section)) follow(from, next, sections);
+  }
+}
+
+void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vector<zone::SectionId>& sections) {
+  if (is_closed(section) || sections.size() >= sections_max || std::ranges::find(sections, section) != sections.end())
+    return;
+  sections.push_back(section);
+  if (const auto to = first_on(section)) {
+    // Of several moves to the same state the one found first is the usual one: default successors come first.
+    const auto known =
+        std::ranges::any_of(moves_, [&](const Move& move) { return move.from == from && move.to == *to; });
+    if (!known && *to != from) moves_.push_back({from, *to, sections});
+  } else {
+    for (const zone::SectionId next : zone_.circuit.next(section)) follow(from, next, sections);
+  }
+  sections.pop_back();
+}
+
+// --- cells ----------------------------------------------------------------------------------------------------------
+
+SweptArea TrackFloor::Builder::area_of(const Move& move) const {
+  const zone::Circuit& circuit = zone_.circuit;
+  SweptArea area{zone_.vehicle, zone_.clearance_m};
+  zone::TrackPosition at = states_[move.from];
+  for (const zone::SectionId section : move.sections) {
+    area.add_drive(circuit, at.section, at.s_m, end_m(at.section));
+    area.add_turn(circuit.pose_at({at.section, end_m(at.section)}), circuit.turn_at(at.section, section));
+    at = {section, 0.0};
+  }
+  area.add_drive(circuit, at.section, at.s_m, states_[move.to].s_m);
+  return area;
+}
+
+std::vector<std::uint32_t> TrackFloor::Builder::find_points() {
+  // States at one point touch, of course: among these pairs those that are near.
+  std::vector<std::uint32_t> point_of(states_.size());
+  for (StateId state = 0; state < states_.size(); ++state) {
+    point_of[state] = state;
+    const Point2 here = cosiva::position(zone_.circuit.pose_at(states_[state]));
+    for (const StateId other : states_at(here)) point_of[state] = std::min(point_of[state], point_of[other]);
+  }
+  return point_of;
+}
+
+void TrackFloor::Builder::find_cells() {
+  std::vector<SweptArea> areas;
+  for (const zone::TrackPosition& at : states_) {
+    areas.emplace_back(zone_.vehicle, zone_.clearance_m).add_pose(zone_.circuit.pose_at(at));
+    description_.states.emplace_back();
+  }
+  for (const Move& move : moves_) areas.push_back(area_of(move));
+  const auto point_of = find_points();
+  add_footprints(point_of);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;
+  each_touching(areas, [&](std::uint32_t a, std::uint32_t b) { touching.emplace_back(a, b); });
+  std::ranges::sort(touching);
+  for (const auto& [a, b] : touching) {
+    if (b >= states_.size()) continue;
+    if (point_of[a] == point_of[b]) continue;
+    for (const StateId state : {a, b}) description_.states[state].footprint.push_back(description_.cells);
+    ++description_.cells;
+  }
+  for (auto& state : description_.states) std::ranges::sort(state.footprint);
+  for (const Move& move : moves_) description_.states[move.from].moves.push_back({move.to, {}});
+  add_sweeps(touching);
+}
+
+void TrackFloor::Builder::add_footprints(const std::vector<std::uint32_t>& point_of) {
+  for (StateId state = 0; state < states_.size(); ++state) description_.states[state].footprint = {point_of[state]};
+  description_.cells = static_cast<CellId>(states_.size());
+}
+
+bool TrackFloor::Builder::have_common_cell(StateId a, StateId b) const {
+  const auto& other = description_.states[b].footprint;
+  return std::ranges::any_of(description_.states[a].footprint,
+                             [&](CellId cell) { return std::ranges::binary_search(other, cell); });
+}
+
+void TrackFloor::Builder::add_sweeps(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& touching) {
+  const auto states = static_cast<std::uint32_t>(states_.size());
+  std::vector<std::size_t> index_in_state(moves_.size());
+  for (std::size_t i = 1; i < moves_.size(); ++i)
+    index_in_state[i] = moves_[i].from == moves_[i - 1].from ? index_in_state[i - 1] + 1 : 0;
+  const auto add = [&](std::uint32_t move, CellId cell) {
+    description_.states[moves_[move].from].moves[index_in_state[move]].sweep.push_back(cell);
+  };
+  for (const auto& [a, b] : touching) {
+    if (b < states) continue;
+    const Move& move = moves_[b - states];
+    if (a < states) {
+      // A body at `a` obstructs the move, unless it would be at one of the move's ends, too.
+      if (!have_common_cell(a, move.from) && !have_common_cell(a, move.to))
+        add(b - states, description_.states[a].footprint.front());
+      continue;
+    }
+    // Two moves: where one begins or ends where the other does, footprints and the order of the vehicles suffice.
+    const Move& other = moves_[a - states];
+    if (have_common_cell(move.from, other.from) || have_common_cell(move.to, other.to) ||
+        have_common_cell(move.to, other.from) || have_common_cell(move.from, other.to))
+      continue;
+    add(a - states, description_.cells);
+    add(b - states, description_.cells);
+    ++description_.cells;
+  }
+}
+
+// --- goals ----------------------------------------------------------------------------------------------------------
+
+std::vector<StateId> TrackFloor::Builder::states_at(Point2 point) const {
+  std::vector<StateId> found;
+  std::vector<zone::Circuit::Located> near;
+  zone_.circuit.near(point, same_point_m, near);
+  for (const auto& located : near) {
+    for (StateId state = first_on(located.position.section).value_or(static_cast<StateId>(states_.size()));
+         state < states_.size() && states_[state].section == located.position.section; ++state)
+      if (distance(cosiva::position(zone_.circuit.pose_at(states_[state])), point) <= same_point_m)
+        found.push_back(state);
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+TrackFloor TrackFloor::Builder::build() {
+  lay_states();
+  lay_moves();
+  find_cells();
+  // Goals are part of the description, so that they are named first.
+  std::map<std::string, GoalId, std::less<>> goals;
+  const auto add = [&](const std::string& name, zone::TrackPosition at) {
+    if (goals.contains(name)) return;
+    auto states = states_at(cosiva::position(zone_.circuit.pose_at(at)));
+    if (states.empty()) return;
+    goals.emplace(name, static_cast<GoalId>(description_.goals.size()));
+    description_.goals.push_back(std::move(states));
+  };
+  for (const zone::Station& station : zone_.stations) add(station.name, station.position);
+  for (const zone::Waypoint& waypoint : zone_.waypoints) add(waypoint.id, waypoint.position);
+  auto floor = Floor::make(description_);
+  COSIVA_EXPECT(floor.has_value());
+  TrackFloor made{*std::move(floor)};
+  for (zone::SectionId section = 0; section < zone_.circuit.size(); ++section) made.before_.push_back(before(section));
+  made.states_ = std::move(states_);
+  made.moves_.resize(made.states_.size());
+  for (Move& move : moves_) made.moves_[move.from].push_back(std::move(move));
+  made.goals_ = std::move(goals);
+  COSIVA_EXPECT(made.states_.size() == made.floor_.states());
+  return made;
+}
+
+// --- the finished floor ---------------------------------------------------------------------------------------------
+
+TrackFloor TrackFloor::make(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed) {
+  return Builder{zone, closed}.build();
+}
+
+std::span<const zone::SectionId> TrackFloor::sections(StateId from, StateId to) const {
+  const auto move = std::ranges::find(moves_[from], to, &Move::to);
+  COSIVA_EXPECT(move != moves_[from].end());
+  return move->sections;
+}
+
+StateId TrackFloor::first_on(zone::SectionId section) const {
+  return static_cast<StateId>(std::ranges::lower_bound(states_, section, {}, &zone::TrackPosition::section) -
+                              states_.begin());
+}
+
+std::optional<StateId> TrackFloor::state_at(zone::TrackPosition position, double tolerance_m) const {
+  std::optional<StateId> best;
+  double best_m = tolerance_m;
+  for (StateId state = first_on(position.section); is_on(state, position.section); ++state) {
+    const double apart_m = std::fabs(states_[state].s_m - position.s_m);
+    if (apart_m > best_m) continue;
+    best = state;
+    best_m = apart_m;
+  }
+  return best || position.s_m > tolerance_m ? best : before_[position.section];
+}
+
+std::optional<StateId> TrackFloor::state_after(zone::TrackPosition position,
+                                               std::span<const zone::SectionId> remaining) const {
+  for (std::size_t i = 0;; ++i) {
+    for (StateId state = first_on(position.section); is_on(state, position.section); ++state)
+      if (states_[state].s_m >= position.s_m) return state;
+    if (i == remaining.size()) return std::nullopt;
+    position = {remaining[i], 0.0};
+  }
+}
+
+std::optional<GoalId> TrackFloor::goal(std::string_view name) const {
+  const auto found = goals_.find(name);
+  return found == goals_.end() ? std::nullopt : std::optional{found->second};
+}
+
+}  // namespace cosiva::planning

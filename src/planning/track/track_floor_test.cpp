@@ -1,0 +1,192 @@
+#include "cosiva/planning/track/track_floor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "cosiva/planning/floor/distances.h"
+#include "cosiva/zone/testing/test_zones.h"
+
+namespace cosiva::planning {
+namespace {
+
+using zone::testing::read_zone;
+
+/// A lane of 4 m in both directions, with a station at each end, for vehicles of 1.2 m by 0.8 m.
+constexpr const char* lane = R"(name = "lane"
+format_version = 1
+[vehicle]
+length_m = 1.2
+width_m = 0.8
+[waypoints]
+nodes_only = true
+[[section]]
+name = "there"
+kind = "straight"
+length_m = 4
+pivots = true
+start = { x = 0, y = 0, heading_deg = 0 }
+start_node = "west"
+next = ["back"]
+[[section]]
+name = "back"
+kind = "straight"
+length_m = 4
+pivots = true
+start = { x = 4, y = 0, heading_deg = 180 }
+start_node = "east"
+next = ["there"]
+[[station]]
+name = "dock"
+section = "there"
+s_m = 0
+)";
+
+TrackFloor floor_of(const char* text) {
+  const auto zone = read_zone(text);
+  EXPECT_TRUE(zone) << to_string(zone.error());
+  return TrackFloor::make(*zone);
+}
+
+TEST(TrackFloor, has_one_state_per_waypoint_and_section_by_which_it_is_reached) {
+  const TrackFloor track = floor_of(lane);
+  ASSERT_EQ(track.floor().states(), 2U);
+  EXPECT_EQ(track.position(0), (zone::TrackPosition{0, 4.0}));
+  EXPECT_EQ(track.position(1), (zone::TrackPosition{1, 4.0}));
+  EXPECT_THAT(track.floor().successors(0), testing::ElementsAre(1));
+  EXPECT_THAT(track.sections(0, 1), testing::ElementsAre(1));
+}
+
+TEST(TrackFloor, lets_a_vehicle_that_begins_a_section_wait_at_the_end_of_the_one_before) {
+  const TrackFloor track = floor_of(lane);
+  EXPECT_EQ(track.state_at({1, 4.0}), 1U);
+  EXPECT_EQ(track.state_at({0, 0.0}), 1U) << "the same point, with the other heading";
+  EXPECT_EQ(track.state_at({0, 2.0}), std::nullopt);
+  EXPECT_EQ(track.state_after({0, 2.0}, {}), 0U);
+}
+
+TEST(TrackFloor, finds_the_states_of_stations_and_waypoints) {
+  const TrackFloor track = floor_of(lane);
+  ASSERT_TRUE(track.goal("dock"));
+  EXPECT_THAT(track.floor().goal(*track.goal("dock")), testing::ElementsAre(1));
+  ASSERT_TRUE(track.goal("east"));
+  EXPECT_THAT(track.floor().goal(*track.goal("east")), testing::ElementsAre(0));
+  EXPECT_FALSE(track.goal("nowhere"));
+}
+
+TEST(TrackFloor, has_no_move_into_a_closed_section) {
+  const auto zone = read_zone(lane);
+  ASSERT_TRUE(zone);
+  const zone::SectionId back[] = {1};
+  const TrackFloor track = TrackFloor::make(*zone, back);
+  EXPECT_TRUE(track.floor().successors(0).empty());
+  EXPECT_THAT(track.floor().successors(1), testing::ElementsAre(0));
+}
+
+/// An independent test of two rectangles: points of one that lie in the other, at most 2 cm apart.
+bool overlap(const Pose2& a, const Pose2& b, const zone::VehicleShape& shape) {
+  const auto contains = [&](const Pose2& body, Point2 p_M) {
+    const Point2 p_B = inverse(body) * p_M;
+    return std::fabs(p_B.x_m) <= 0.5 * shape.length_m && std::fabs(p_B.y_m) <= 0.5 * shape.width_m;
+  };
+  const auto meets = [&](const Pose2& body, const Pose2& other) {
+    for (double x = -0.5 * shape.length_m; x <= 0.5 * shape.length_m; x += 0.02)
+      for (double y = -0.5 * shape.width_m; y <= 0.5 * shape.width_m; y += 0.02)
+        if (contains(other, body * Point2{x, y})) return true;
+    return false;
+  };
+  return meets(a, b) || meets(b, a);
+}
+
+bool have_common_cell(const Floor& floor, StateId a, StateId b) {
+  return std::ranges::any_of(floor.footprint(a),
+                             [&](CellId cell) { return std::ranges::binary_search(floor.footprint(b), cell); });
+}
+
+class ShippedZones : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedZones, have_a_common_cell_for_any_two_states_whose_bodies_overlap) {
+  const zone::TrafficZone zone = zone::testing::zone_file(GetParam());
+  const TrackFloor track = TrackFloor::make(zone);
+  const auto pose = [&](StateId state) { return zone.circuit.pose_at(track.position(state)); };
+  std::size_t overlapping = 0;
+  for (StateId a = 0; a < track.floor().states(); ++a) {
+    for (StateId b = a + 1; b < track.floor().states(); ++b) {
+      if (distance(pose(a), pose(b)) > zone.vehicle.length_m + zone.vehicle.width_m) continue;
+      if (!overlap(pose(a), pose(b), zone.vehicle)) continue;
+      ++overlapping;
+      EXPECT_TRUE(have_common_cell(track.floor(), a, b)) << a << " and " << b;
+    }
+  }
+  EXPECT_GT(overlapping, 0U);
+}
+
+/// Poses of a body in the course of a move.
+std::vector<Pose2> poses(const zone::TrafficZone& zone, const TrackFloor& track, StateId from, StateId to) {
+  std::vector<Pose2> found;
+  zone::TrackPosition at = track.position(from);
+  const auto drive = [&](double end_m) {
+    for (; at.s_m < end_m; at.s_m += 0.05) found.push_back(zone.circuit.pose_at(at));
+  };
+  for (const zone::SectionId section : track.sections(from, to)) {
+    drive(zone.circuit.section(at.section).length_m());
+    at = {section, 0.0};
+  }
+  drive(track.position(to).s_m);
+  return found;
+}
+
+TEST_P(ShippedZones, let_no_move_touch_a_vehicle_in_a_state_that_footprints_and_sweep_leave_free) {
+  const zone::TrafficZone zone = zone::testing::zone_file(GetParam());
+  const TrackFloor track = TrackFloor::make(zone);
+  const Floor& floor = track.floor();
+  for (StateId from = 0; from < floor.states(); ++from) {
+    for (std::size_t move = 0; move < floor.successors(from).size(); ++move) {
+      const StateId to = floor.successors(from)[move];
+      std::set<CellId> used;
+      for (const auto cells : {floor.footprint(from), floor.footprint(to), floor.sweep(from, move)})
+        used.insert(cells.begin(), cells.end());
+      const auto path = poses(zone, track, from, to);
+      for (StateId other = 0; other < floor.states(); ++other) {
+        const auto cells = floor.footprint(other);
+        if (std::ranges::any_of(cells, [&](CellId cell) { return used.contains(cell); })) continue;
+        const Pose2 body = zone.circuit.pose_at(track.position(other));
+        const bool touched = std::ranges::any_of(path, [&](const Pose2& pose) {
+          return distance(pose, body) <= zone.vehicle.length_m + zone.vehicle.width_m &&
+                 overlap(pose, body, zone.vehicle);
+        });
+        EXPECT_FALSE(touched) << "from " << from << " to " << to << ", past " << other;
+      }
+    }
+  }
+}
+
+TEST_P(ShippedZones, lead_from_every_state_to_every_station) {
+  const zone::TrafficZone zone = zone::testing::zone_file(GetParam());
+  const TrackFloor track = TrackFloor::make(zone);
+  Distances distances{track.floor()};
+  for (const zone::Station& station : zone.stations) {
+    const auto goal = track.goal(station.name);
+    ASSERT_TRUE(goal) << station.name;
+    const auto* const to = distances.to(*goal);
+    for (StateId state = 0; state < track.floor().states(); ++state)
+      EXPECT_LT(to[state], Distances::unreachable) << station.name << " from " << state;
+  }
+}
+
+std::string name_of(const testing::TestParamInfo<const char*>& info) {
+  std::string name = info.param;
+  std::ranges::replace_if(
+      name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(TrackFloor, ShippedZones,
+                         testing::Values("lacet4.toml", "indus8.toml", "../src/planning/testdata/warehouse12.toml"),
+                         name_of);
+
+}  // namespace
+}  // namespace cosiva::planning
