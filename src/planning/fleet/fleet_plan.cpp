@@ -16,11 +16,18 @@ FleetPlan::FleetPlan(const Floor& floor, const FleetPlanOptions& options, std::u
 }
 
 void FleetPlan::begin(std::span<const StateId> states) {
-  order_.begin(states);
+  std::vector<std::vector<StateId>> granted;
+  for (const StateId state : states) granted.push_back({state});
+  begin(granted);
+}
+
+void FleetPlan::begin(std::span<const std::vector<StateId>> granted) {
+  order_.begin(granted);
   fleet_.clear();
-  for (const StateId state : states) fleet_.push_back({state, {}, 0});
-  progress_.assign(states.size(), {});
+  for (const auto& states : granted) fleet_.push_back({states.back(), {}, 0});
+  progress_.assign(granted.size(), {});
   found_ = {};
+  steps_since_change_ = 0;
 }
 
 void FleetPlan::set_stops(Vehicle vehicle, std::span<const Stop> stops, std::uint32_t urgency) {
@@ -34,6 +41,7 @@ void FleetPlan::set_stops(Vehicle vehicle, std::span<const Stop> stops, std::uin
     progress.ended -= std::min(progress.ended, ended);
   } else {
     progress = Progress{};
+    steps_since_change_ = 0;
     progress.stops.assign(stops.begin(), stops.end());
   }
   count_stops(vehicle, false);
@@ -72,7 +80,11 @@ bool FleetPlan::is_late() const {
 
 void FleetPlan::plan() {
   // A vehicle that waits needs several steps until its next move is planned; a whole window, at most.
-  for (std::uint32_t step = 0; step < options_.window.horizon && wants_step() && !is_late(); ++step) add_step();
+  for (std::uint32_t step = 0; step < options_.window.horizon && wants_step() && !is_late(); ++step) {
+    if (steps_since_change_ >= 2 * options_.window.horizon) return;
+    ++steps_since_change_;
+    add_step();
+  }
 }
 
 void FleetPlan::replan() {
@@ -147,7 +159,8 @@ bool FleetPlan::search_for(Vehicle vehicle) {
     fixed.push_back(progress_[other].stayed > 0 ? 1 : 0);
   }
   Progress& progress = progress_[vehicle];
-  progress.configurations_max = std::max(options_.configurations_max, 2 * progress.configurations_max);
+  progress.configurations_max =
+      std::clamp(2 * progress.configurations_max, options_.configurations_max, 16 * options_.configurations_max);
   progress.searched = search_.find(states, goals, vehicle, fixed, progress.configurations_max);
   progress.stuck = 0;
   if (progress.searched != SearchResult::solved) return false;

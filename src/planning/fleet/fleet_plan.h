@@ -19,7 +19,8 @@ struct FleetPlanOptions {
   std::uint32_t planned_min = 2;          ///< moves that a vehicle with stops should have planned, besides granted ones
   std::uint32_t unfinished_max = 8;  ///< moves, granted or planned, of a vehicle that the others are too far before
   std::uint32_t stuck_steps = 24;    ///< in which a vehicle comes no nearer, until a search is made for it
-  std::uint64_t configurations_max = 5'000;  ///< of the first such search; each further one may examine twice as many
+  std::uint64_t configurations_max =
+      5'000;  ///< of the first such search; each further one may examine twice as many, up to 16 times
 };
 
 /// The plan of a fleet while it is executed: WindowPlanner makes joint steps, PassingOrder decides which of their moves
@@ -39,6 +40,8 @@ class FleetPlan {
 
   /// Begins with vehicles at a standstill in these states, which have no cell in common, without stops.
   void begin(std::span<const StateId> states);
+  /// Likewise, with vehicles that have been granted moves before: see PassingOrder::begin.
+  void begin(std::span<const std::vector<StateId>> granted);
   [[nodiscard]] std::size_t vehicles() const noexcept { return fleet_.size(); }
   [[nodiscard]] const PassingOrder& order() const noexcept { return order_; }
 
@@ -46,8 +49,12 @@ class FleetPlan {
   /// before without the ones that have ended, the plan goes on.
   void set_stops(Vehicle vehicle, std::span<const Stop> stops, std::uint32_t urgency);
   /// The vehicle has arrived at the end of its next granted move.
-  void arrive(Vehicle vehicle) { order_.arrive(vehicle); }
-  /// Plans as far as the vehicles need it, and not further before the latest of them than `unfinished_max` moves.
+  void arrive(Vehicle vehicle) {
+    order_.arrive(vehicle);
+    steps_since_change_ = 0;
+  }
+  /// Plans as far as the vehicles need it, and not further before the latest of them than `unfinished_max` moves. After
+  /// two windows of steps without an arrival or other stops, no further steps are made.
   void plan();
   /// Gives up what has not been granted; `plan` then begins anew from the ends of the granted moves. For a vehicle that
   /// is late: the others need not wait for it longer than for the moves granted to it. Without effect while the steps
@@ -101,6 +108,7 @@ class FleetPlan {
   };
   Found found_;  // by the last search
   std::uint64_t steps_{0};
+  std::uint32_t steps_since_change_{0};
   std::uint64_t replans_{0};
 };
 

@@ -201,6 +201,15 @@ TEST(FleetPlan, grants_nothing_beyond_a_stop_that_has_not_ended) {
   EXPECT_EQ(plan.order().granted_end(0), 3U);
 }
 
+TEST(FleetPlan, makes_no_more_steps_than_two_windows_while_no_vehicle_arrives) {
+  const Floor floor = grid_floor(fixture::open_grid(6, 1), GridMotion::any_direction);
+  FleetPlan plan{floor, {}, 1};
+  plan.begin(std::vector<StateId>{0, 3});
+  plan.set_stops(0, std::vector<Stop>{{5, 0}}, 0);  // beyond the other one, which cannot be passed
+  for (int call = 0; call < 100; ++call) plan.plan();
+  EXPECT_LE(plan.steps(), 2 * FleetPlanOptions{}.window.horizon);
+}
+
 TEST(FleetPlan, plans_other_stops_from_the_ends_of_what_is_planned) {
   const Floor floor = grid_floor(fixture::open_grid(5, 1), GridMotion::any_direction);
   FleetPlan plan{floor, {}, 1};

@@ -20,8 +20,8 @@ struct Grid {
   }
 };
 
-/// Reads a `.map` file: the lines `type`, `height N`, `width N` and `map`, then one line per row, in which `.`, `G` and
-/// `S` (and `E`, of the League of Robot Runners' maps) are free and `@`, `O`, `T` and `W` are not.
+/// Reads a MovingAI map: the lines "type …", "height N", "width N" and "map", then one line per row. Free squares are a
+/// dot, G and S (and E, of the League of Robot Runners' maps); an at sign, O, T and W are blocked.
 /// Fails ("grid.header", "grid.row", "grid.character") and names the line.
 [[nodiscard]] Result<Grid> read_grid(std::string_view text);
 

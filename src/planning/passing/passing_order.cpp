@@ -9,15 +9,23 @@ namespace cosiva::planning {
 PassingOrder::PassingOrder(const Floor& floor) : floor_{&floor}, queues_(floor.cells()) {}
 
 void PassingOrder::begin(std::span<const StateId> states) {
+  std::vector<std::vector<StateId>> granted;
+  for (const StateId state : states) granted.push_back({state});
+  begin(granted);
+}
+
+void PassingOrder::begin(std::span<const std::vector<StateId>> granted) {
   for (auto& queue : queues_) queue.clear();
   vehicles_.clear();
-  for (std::uint32_t vehicle = 0; vehicle < states.size(); ++vehicle) {
-    vehicles_.push_back({{states[vehicle]}, 0, 0});
-    for (const CellId cell : floor_->footprint(states[vehicle])) {
-      COSIVA_EXPECT(queues_[cell].empty());
-      queues_[cell].push_back({vehicle, 0});
-    }
+  for (std::uint32_t vehicle = 0; vehicle < granted.size(); ++vehicle) {
+    const auto& states = granted[vehicle];
+    COSIVA_EXPECT(!states.empty());
+    vehicles_.push_back({{states.begin(), states.end()}, states.size() - 1, 0});
+    for (const CellId cell : floor_->footprint(states[0])) queues_[cell].push_back({vehicle, 0});
+    for (std::size_t move = 1; move < states.size(); ++move) enter(vehicle, states[move - 1], states[move], move);
   }
+  for (const auto& queue : queues_)
+    COSIVA_EXPECT(std::ranges::all_of(queue, [&](const Use& use) { return use.vehicle == queue.front().vehicle; }));
 }
 
 std::span<const CellId> PassingOrder::sweep_of(StateId from, StateId to) const {

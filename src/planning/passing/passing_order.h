@@ -28,6 +28,9 @@ class PassingOrder {
 
   /// Begins with vehicles at a standstill in these states, which have no cell in common.
   void begin(std::span<const StateId> states);
+  /// Begins with vehicles that have been granted moves before: of each the state at which it has arrived, and the ends
+  /// of its granted moves. No two vehicles have a cell in common.
+  void begin(std::span<const std::vector<StateId>> granted);
   [[nodiscard]] std::size_t vehicles() const noexcept { return vehicles_.size(); }
 
   /// Adds a joint step of the plan: the next state of every vehicle, which may be the present one. Steps are added in

@@ -80,6 +80,20 @@ TEST(PassingOrder, forgets_what_is_planned_and_keeps_what_is_granted) {
   EXPECT_FALSE(order.grant(0));
 }
 
+TEST(PassingOrder, begins_with_moves_that_were_granted_before) {
+  const Floor floor = row(5);
+  PassingOrder order{floor};
+  order.begin(std::vector<std::vector<StateId>>{{0, 1, 2}, {4}});
+  EXPECT_EQ(order.granted_moves(0), 2U);
+  add(order, {{2, 3}, {2, 2}, {2, 1}});
+  EXPECT_TRUE(order.grant(1));
+  EXPECT_FALSE(order.grant(1)) << "2 is granted to the first vehicle";
+  order.arrive(0);
+  order.arrive(0);
+  EXPECT_EQ(order.ended_moves(0), 2U);
+  EXPECT_EQ(order.waits_for(1), 0U);
+}
+
 TEST(PassingOrder, keeps_swept_cells_free_until_the_move_has_ended) {
   // State 0 leads past cell 1 to state 2; state 1 occupies that cell.
   FloorDescription description{4, {{{0}, {{2, {1}}}}, {{1}, {{3, {}}}}, {{2}, {}}, {{3}, {{1, {}}}}}, {{0}}};

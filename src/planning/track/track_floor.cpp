@@ -32,8 +32,7 @@ void each_touching(const std::vector<SweptArea>& areas, Found&& found) {
 /// Makes the description of a zone's floor. Invariant: `areas_` are those of the states, then those of the moves.
 class TrackFloor::Builder {
  public:
-  Builder(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed)
-      : zone_{zone}, closed_{closed}, waypoint_at_start_(zone.circuit.size(), false) {}
+  Builder(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed) : zone_{zone}, closed_{closed} {}
 
   [[nodiscard]] TrackFloor build();
 
@@ -42,7 +41,7 @@ class TrackFloor::Builder {
   void lay_moves();
   void follow(StateId from, zone::SectionId section, std::vector<zone::SectionId>& sections);
   [[nodiscard]] std::optional<StateId> first_on(zone::SectionId section) const;
-  [[nodiscard]] std::optional<StateId> before(zone::SectionId section) const;
+  [[nodiscard]] std::optional<StateId> first_beyond_start(zone::SectionId section) const;
   void find_cells();
   void add_footprints(const std::vector<std::uint32_t>& point_of);
   [[nodiscard]] std::vector<std::uint32_t> find_points();
@@ -50,6 +49,8 @@ class TrackFloor::Builder {
   void add_sweeps(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& touching);
   [[nodiscard]] bool have_common_cell(StateId a, StateId b) const;
   [[nodiscard]] std::vector<StateId> states_at(Point2 point) const;
+  /// Of each of two bodies: together they are the zone's clearance, with which its stop lines were laid.
+  [[nodiscard]] double margin_m() const { return 0.5 * zone_.clearance_m; }
   [[nodiscard]] double end_m(zone::SectionId section) const { return zone_.circuit.section(section).length_m(); }
   [[nodiscard]] bool is_closed(zone::SectionId section) const {
     return std::ranges::find(closed_, section) != closed_.end();
@@ -57,7 +58,6 @@ class TrackFloor::Builder {
 
   const zone::TrafficZone& zone_;
   std::span<const zone::SectionId> closed_;
-  std::vector<bool> waypoint_at_start_;
   std::vector<zone::TrackPosition> states_;
   std::vector<Move> moves_;
   FloorDescription description_;
@@ -77,9 +77,8 @@ void TrackFloor::Builder::lay_states() {
         joint[at.section] = true;
       continue;
     }
-    waypoint_at_start_[at.section] = true;
     for (const zone::SectionId before : circuit.previous(at.section)) joint[before] = true;
-    if (circuit.previous(at.section).empty()) states_.push_back({at.section, 0.0});
+    states_.push_back({at.section, 0.0});
   }
   for (zone::SectionId section = 0; section < circuit.size(); ++section)
     if (joint[section]) states_.push_back({section, end_m(section)});
@@ -94,19 +93,11 @@ std::optional<StateId> TrackFloor::Builder::first_on(zone::SectionId section) co
   return static_cast<StateId>(first - states_.begin());
 }
 
-std::optional<StateId> TrackFloor::Builder::before(zone::SectionId section) const {
-  std::optional<StateId> best;
-  double least_rad = 2.0 * pi;
-  for (StateId state = 0; state < states_.size(); ++state) {
-    const zone::TrackPosition at = states_[state];
-    const auto previous = zone_.circuit.previous(section);
-    if (at.s_m < end_m(at.section) || std::ranges::find(previous, at.section) == previous.end()) continue;
-    const double turn_rad = std::fabs(zone_.circuit.turn_at(at.section, section));
-    if (turn_rad >= least_rad) continue;
-    best = state;
-    least_rad = turn_rad;
-  }
-  return best;
+std::optional<StateId> TrackFloor::Builder::first_beyond_start(zone::SectionId section) const {
+  const auto first = first_on(section);
+  if (!first || states_[*first].s_m > 0.0) return first;
+  const StateId second = *first + 1;
+  return second < states_.size() && states_[second].section == section ? std::optional{second} : std::nullopt;
 }
 
 void TrackFloor::Builder::lay_moves() {
@@ -124,7 +115,7 @@ void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vec
   if (is_closed(section) || sections.size() >= sections_max || std::ranges::find(sections, section) != sections.end())
     return;
   sections.push_back(section);
-  if (const auto to = first_on(section)) {
+  if (const auto to = first_beyond_start(section)) {
     // Of several moves to the same state the one found first is the usual one: default successors come first.
     const auto known =
         std::ranges::any_of(moves_, [&](const Move& move) { return move.from == from && move.to == *to; });
@@ -139,7 +130,7 @@ void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vec
 
 SweptArea TrackFloor::Builder::area_of(const Move& move) const {
   const zone::Circuit& circuit = zone_.circuit;
-  SweptArea area{zone_.vehicle, zone_.clearance_m};
+  SweptArea area{zone_.vehicle, margin_m()};
   zone::TrackPosition at = states_[move.from];
   for (const zone::SectionId section : move.sections) {
     area.add_drive(circuit, at.section, at.s_m, end_m(at.section));
@@ -153,18 +144,15 @@ SweptArea TrackFloor::Builder::area_of(const Move& move) const {
 std::vector<std::uint32_t> TrackFloor::Builder::find_points() {
   // States at one point touch, of course: among these pairs those that are near.
   std::vector<std::uint32_t> point_of(states_.size());
-  for (StateId state = 0; state < states_.size(); ++state) {
-    point_of[state] = state;
-    const Point2 here = cosiva::position(zone_.circuit.pose_at(states_[state]));
-    for (const StateId other : states_at(here)) point_of[state] = std::min(point_of[state], point_of[other]);
-  }
+  for (StateId state = 0; state < states_.size(); ++state)
+    point_of[state] = states_at(cosiva::position(zone_.circuit.pose_at(states_[state]))).front();
   return point_of;
 }
 
 void TrackFloor::Builder::find_cells() {
   std::vector<SweptArea> areas;
   for (const zone::TrackPosition& at : states_) {
-    areas.emplace_back(zone_.vehicle, zone_.clearance_m).add_pose(zone_.circuit.pose_at(at));
+    areas.emplace_back(zone_.vehicle, margin_m()).add_pose(zone_.circuit.pose_at(at));
     description_.states.emplace_back();
   }
   for (const Move& move : moves_) areas.push_back(area_of(move));
@@ -257,7 +245,6 @@ TrackFloor TrackFloor::Builder::build() {
   auto floor = Floor::make(description_);
   COSIVA_EXPECT(floor.has_value());
   TrackFloor made{*std::move(floor)};
-  for (zone::SectionId section = 0; section < zone_.circuit.size(); ++section) made.before_.push_back(before(section));
   made.states_ = std::move(states_);
   made.moves_.resize(made.states_.size());
   for (Move& move : moves_) made.moves_[move.from].push_back(std::move(move));
@@ -292,7 +279,7 @@ std::optional<StateId> TrackFloor::state_at(zone::TrackPosition position, double
     best = state;
     best_m = apart_m;
   }
-  return best || position.s_m > tolerance_m ? best : before_[position.section];
+  return best;
 }
 
 std::optional<StateId> TrackFloor::state_after(zone::TrackPosition position,

@@ -14,10 +14,11 @@
 namespace cosiva::planning {
 
 /// The floor of a traffic zone, for vehicles of the zone's shape. A state is a waypoint of the zone and the section on
-/// which a vehicle has reached it; at the joint of several sections a vehicle waits at the end of the one it came by. A
-/// move leads to the next waypoint along one branch, the turn on the spot at its beginning included. Cells follow from
-/// the bodies' geometry alone, so that the two directions of a track, crossing tracks and tracks that run near one
-/// another need no description.
+/// which a vehicle has reached it; at the joint of several sections a vehicle waits at the end of the one it came by.
+/// Only vehicles that begin there are at the beginning of a section, and have to follow that one. A move leads to the
+/// next waypoint along one branch, the turn on the spot at its beginning included. Cells follow from the bodies'
+/// geometry alone, so that the two directions of a track, crossing tracks and tracks that run near one another need no
+/// description.
 ///
 /// Invariant: the floor's states and moves are those of `states_` and `moves_`, with the same indices.
 class TrackFloor {
@@ -57,9 +58,8 @@ class TrackFloor {
   }
 
   Floor floor_;
-  std::vector<zone::TrackPosition> states_;     // sorted by section, s
-  std::vector<std::vector<Move>> moves_;        // by first state
-  std::vector<std::optional<StateId>> before_;  // by section: the state at its beginning
+  std::vector<zone::TrackPosition> states_;  // sorted by section, s
+  std::vector<std::vector<Move>> moves_;     // by first state
   std::map<std::string, GoalId, std::less<>> goals_;
 };
 

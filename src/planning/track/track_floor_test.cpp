@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "cosiva/planning/floor/distances.h"
@@ -53,27 +54,35 @@ TrackFloor floor_of(const char* text) {
 
 TEST(TrackFloor, has_one_state_per_waypoint_and_section_by_which_it_is_reached) {
   const TrackFloor track = floor_of(lane);
-  ASSERT_EQ(track.floor().states(), 2U);
-  EXPECT_EQ(track.position(0), (zone::TrackPosition{0, 4.0}));
-  EXPECT_EQ(track.position(1), (zone::TrackPosition{1, 4.0}));
-  EXPECT_THAT(track.floor().successors(0), testing::ElementsAre(1));
-  EXPECT_THAT(track.sections(0, 1), testing::ElementsAre(1));
+  ASSERT_EQ(track.floor().states(), 4U);
+  EXPECT_EQ(track.position(0), (zone::TrackPosition{0, 0.0}));
+  EXPECT_EQ(track.position(1), (zone::TrackPosition{0, 4.0}));
+  EXPECT_EQ(track.position(3), (zone::TrackPosition{1, 4.0}));
+  EXPECT_THAT(track.floor().successors(1), testing::ElementsAre(3));
+  EXPECT_THAT(track.sections(1, 3), testing::ElementsAre(1));
 }
 
-TEST(TrackFloor, lets_a_vehicle_that_begins_a_section_wait_at_the_end_of_the_one_before) {
+TEST(TrackFloor, leads_a_vehicle_that_begins_at_the_beginning_of_a_section_along_that_section) {
   const TrackFloor track = floor_of(lane);
-  EXPECT_EQ(track.state_at({1, 4.0}), 1U);
-  EXPECT_EQ(track.state_at({0, 0.0}), 1U) << "the same point, with the other heading";
+  EXPECT_THAT(track.floor().successors(0), testing::ElementsAre(1));
+  EXPECT_THAT(track.sections(0, 1), testing::IsEmpty());
+  EXPECT_THAT(track.floor().predecessors(0), testing::IsEmpty());
+}
+
+TEST(TrackFloor, finds_the_state_at_a_position_and_the_next_one) {
+  const TrackFloor track = floor_of(lane);
+  EXPECT_EQ(track.state_at({1, 4.0}), 3U);
+  EXPECT_EQ(track.state_at({0, 0.0}), 0U);
   EXPECT_EQ(track.state_at({0, 2.0}), std::nullopt);
-  EXPECT_EQ(track.state_after({0, 2.0}, {}), 0U);
+  EXPECT_EQ(track.state_after({0, 2.0}, {}), 1U);
 }
 
 TEST(TrackFloor, finds_the_states_of_stations_and_waypoints) {
   const TrackFloor track = floor_of(lane);
   ASSERT_TRUE(track.goal("dock"));
-  EXPECT_THAT(track.floor().goal(*track.goal("dock")), testing::ElementsAre(1));
+  EXPECT_THAT(track.floor().goal(*track.goal("dock")), testing::ElementsAre(0, 3));
   ASSERT_TRUE(track.goal("east"));
-  EXPECT_THAT(track.floor().goal(*track.goal("east")), testing::ElementsAre(0));
+  EXPECT_THAT(track.floor().goal(*track.goal("east")), testing::ElementsAre(1, 2));
   EXPECT_FALSE(track.goal("nowhere"));
 }
 
@@ -82,8 +91,8 @@ TEST(TrackFloor, has_no_move_into_a_closed_section) {
   ASSERT_TRUE(zone);
   const zone::SectionId back[] = {1};
   const TrackFloor track = TrackFloor::make(*zone, back);
-  EXPECT_TRUE(track.floor().successors(0).empty());
-  EXPECT_THAT(track.floor().successors(1), testing::ElementsAre(0));
+  EXPECT_TRUE(track.floor().successors(1).empty());
+  EXPECT_THAT(track.floor().successors(3), testing::ElementsAre(1));
 }
 
 /// An independent test of two rectangles: points of one that lie in the other, at most 2 cm apart.
@@ -124,6 +133,19 @@ TEST_P(ShippedZones, have_a_common_cell_for_any_two_states_whose_bodies_overlap)
   EXPECT_GT(overlapping, 0U);
 }
 
+TEST_P(ShippedZones, have_no_common_cell_for_states_further_apart_than_a_body_is_long) {
+  const zone::TrafficZone zone = zone::testing::zone_file(GetParam());
+  const TrackFloor track = TrackFloor::make(zone);
+  const auto point = [&](StateId state) { return position(zone.circuit.pose_at(track.position(state))); };
+  const double apart_m = zone.vehicle.length_m + zone.vehicle.width_m + zone.clearance_m;
+  for (StateId a = 0; a < track.floor().states(); ++a) {
+    for (StateId b = a + 1; b < track.floor().states(); ++b) {
+      if (distance(point(a), point(b)) <= apart_m) continue;
+      EXPECT_FALSE(have_common_cell(track.floor(), a, b)) << a << " and " << b;
+    }
+  }
+}
+
 /// Poses of a body in the course of a move.
 std::vector<Pose2> poses(const zone::TrafficZone& zone, const TrackFloor& track, StateId from, StateId to) {
   std::vector<Pose2> found;
@@ -162,6 +184,40 @@ TEST_P(ShippedZones, let_no_move_touch_a_vehicle_in_a_state_that_footprints_and_
       }
     }
   }
+}
+
+TEST(TrackFloor, has_a_common_cell_for_two_moves_that_cross_between_their_ends) {
+  const TrackFloor track = floor_of(R"(name = "cross"
+format_version = 1
+[vehicle]
+length_m = 1.2
+width_m = 0.8
+[waypoints]
+nodes_only = true
+[[section]]
+name = "east"
+kind = "straight"
+length_m = 6
+start = { x = 0, y = 0, heading_deg = 0 }
+start_node = "W"
+end_node = "E"
+next = []
+[[section]]
+name = "north"
+kind = "straight"
+length_m = 6
+start = { x = 3, y = -3, heading_deg = 90 }
+start_node = "S"
+end_node = "N"
+next = []
+)");
+  const Floor& floor = track.floor();
+  // Of all swept cells: which sections the moves are on.
+  std::map<CellId, std::set<zone::SectionId>> sections;
+  for (StateId from = 0; from < floor.states(); ++from)
+    for (std::size_t move = 0; move < floor.successors(from).size(); ++move)
+      for (const CellId cell : floor.sweep(from, move)) sections[cell].insert(track.position(from).section);
+  EXPECT_TRUE(std::ranges::any_of(sections, [](const auto& swept) { return swept.second.size() == 2; }));
 }
 
 TEST_P(ShippedZones, lead_from_every_state_to_every_station) {
