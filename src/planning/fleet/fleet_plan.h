@@ -24,9 +24,7 @@ struct FleetPlanOptions {
 };
 
 /// The plan of a fleet while it is executed: WindowPlanner makes joint steps, PassingOrder decides which of their moves
-/// may begin. The plan is made step by step, as far before the vehicles as they need it to keep moving; where a vehicle
-/// is late by more than `unfinished_max` moves, what has not been granted is planned again from where the vehicles will
-/// be.
+/// may begin. The plan is made step by step, as far before the vehicles as they need it to keep moving.
 ///
 /// A plan has no times: a vehicle that is late delays those that pass after it, and no others. For a vehicle that comes
 /// no nearer to its stop for long, in the plan, ConfigurationSearch finds steps of the whole fleet, or proves that

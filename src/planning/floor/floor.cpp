@@ -52,6 +52,14 @@ void Floor::Lists::add(std::span<const std::uint32_t> list) {
   begins_.push_back(static_cast<std::uint32_t>(values_.size()));
 }
 
+std::span<const CellId> Floor::sweep_between(StateId from, StateId to) const {
+  if (from == to) return {};
+  const auto ends = successors(from);
+  const auto move = std::ranges::find(ends, to);
+  COSIVA_EXPECT(move != ends.end());
+  return sweep(from, static_cast<std::size_t>(move - ends.begin()));
+}
+
 Result<Floor> Floor::make(const FloorDescription& description) {
   if (auto good = check(description); !good) return tl::unexpected{good.error()};
   Floor floor;

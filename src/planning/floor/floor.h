@@ -58,6 +58,8 @@ class Floor {
   [[nodiscard]] std::span<const CellId> sweep(StateId state, std::size_t move) const noexcept {
     return sweeps_[successors_.begin_of(state) + move];
   }
+  /// Of the move between these states, which exists (checked); of waiting: none.
+  [[nodiscard]] std::span<const CellId> sweep_between(StateId from, StateId to) const;
   /// False: no move of this floor passes cells besides those of its ends.
   [[nodiscard]] bool has_sweeps() const noexcept { return !sweeps_.empty(); }
   [[nodiscard]] std::span<const StateId> goal(GoalId goal) const noexcept { return goals_[goal]; }

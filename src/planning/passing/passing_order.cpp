@@ -28,19 +28,12 @@ void PassingOrder::begin(std::span<const std::vector<StateId>> granted) {
     COSIVA_EXPECT(std::ranges::all_of(queue, [&](const Use& use) { return use.vehicle == queue.front().vehicle; }));
 }
 
-std::span<const CellId> PassingOrder::sweep_of(StateId from, StateId to) const {
-  const auto successors = floor_->successors(from);
-  const auto move = std::ranges::find(successors, to);
-  COSIVA_EXPECT(move != successors.end());
-  return floor_->sweep(from, static_cast<std::size_t>(move - successors.begin()));
-}
-
 template <typename Visit>
 void PassingOrder::each_entered(StateId from, StateId to, Visit&& visit) const {
   const auto own = floor_->footprint(from);
   for (const CellId cell : floor_->footprint(to))
     if (!std::ranges::binary_search(own, cell)) visit(cell);
-  for (const CellId cell : sweep_of(from, to)) visit(cell);
+  for (const CellId cell : floor_->sweep_between(from, to)) visit(cell);
 }
 
 void PassingOrder::add_step(std::span<const StateId> next) {
@@ -106,7 +99,7 @@ void PassingOrder::arrive(std::uint32_t vehicle) {
   const auto needed = floor_->footprint(to);
   for (const CellId cell : floor_->footprint(from))
     if (!std::ranges::binary_search(needed, cell)) leave(vehicle, cell);
-  for (const CellId cell : sweep_of(from, to)) leave(vehicle, cell);
+  for (const CellId cell : floor_->sweep_between(from, to)) leave(vehicle, cell);
   moves.states.pop_front();
   --moves.granted;
   ++moves.done;

@@ -80,7 +80,6 @@ class PassingOrder {
   /// Calls visit(cell) for each cell that a move needs besides those of its beginning.
   template <typename Visit>
   void each_entered(StateId from, StateId to, Visit&& visit) const;
-  [[nodiscard]] std::span<const CellId> sweep_of(StateId from, StateId to) const;
 
   const Floor* floor_;
   std::vector<VehicleMoves> vehicles_;

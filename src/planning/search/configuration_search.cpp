@@ -38,7 +38,7 @@ std::uint64_t hash_of(std::span<const StateId> states) {
 ConfigurationSearch::ConfigurationSearch(const Floor& floor, Distances& distances, bool cycles)
     : floor_{&floor},
       distances_{&distances},
-      steps_at_once_{has_turns(floor) ? operation_steps_max : 1},
+      steps_at_once_{has_turns(floor) ? JointStep::operation_steps : 1},
       reservations_{floor, steps_at_once_, cycles} {}
 
 SearchResult ConfigurationSearch::find(std::span<const StateId> states, std::span<const GoalId> goals, Vehicle vehicle,
@@ -195,7 +195,7 @@ bool ConfigurationSearch::attempt(const Node& node, Vehicle vehicle, const Opera
   for (std::uint32_t step = 1; good && step <= steps_at_once_; ++step) {
     for (const CellId cell : floor_->footprint(operation[step])) {
       const Vehicle other = reservations_.owner(0, cell);
-      if (other == no_vehicle || other == obstacle || other == vehicle || reservations_.has_path(other)) continue;
+      if (other == no_vehicle || other == vehicle || reservations_.has_path(other)) continue;
       // A vehicle that could not leave its cells by this step is not tried again in the same generation.
       good = step > failed_step_[other] && decide(node, other);
       if (good) continue;

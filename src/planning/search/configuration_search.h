@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -8,6 +7,7 @@
 
 #include "cosiva/planning/floor/distances.h"
 #include "cosiva/planning/floor/floor.h"
+#include "cosiva/planning/window/joint_step.h"
 #include "cosiva/planning/window/reservations.h"
 
 namespace cosiva::planning {
@@ -18,9 +18,6 @@ enum class SearchResult : std::uint8_t {
   impossible,  ///< there are none: every configuration that the fleet can reach has been examined
   undecided,   ///< the budget is used up
 };
-
-/// Steps of one vehicle that are generated at once: as many as it needs to turn around and drive away.
-inline constexpr std::uint32_t operation_steps_max = 3;
 
 /// Finds joint steps of a whole fleet after which one vehicle is at its goal, whatever the others have to do for that.
 /// The search is complete: with enough budget it finds the steps or proves that there are none. Configurations of the
@@ -51,7 +48,7 @@ class ConfigurationSearch {
   [[nodiscard]] const std::vector<std::vector<StateId>>& steps() const noexcept { return steps_; }
 
  private:
-  using Operation = std::array<StateId, operation_steps_max + 1>;  // the present state first
+  using Operation = JointStep::Operation;  // the present state first; `steps_at_once_` of its steps count
 
   /// Demands the next operations of the first vehicles of a node's order. A tree: each extends another one by
   /// one vehicle.

@@ -29,7 +29,8 @@ void each_touching(const std::vector<SweptArea>& areas, Found&& found) {
 
 }  // namespace
 
-/// Makes the description of a zone's floor. Invariant: `areas_` are those of the states, then those of the moves.
+/// Makes the description of a zone's floor. Invariant: `states_` are sorted by section and s, `moves_` by their first
+/// state.
 class TrackFloor::Builder {
  public:
   Builder(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed) : zone_{zone}, closed_{closed} {}
@@ -43,8 +44,7 @@ class TrackFloor::Builder {
   [[nodiscard]] std::optional<StateId> first_on(zone::SectionId section) const;
   [[nodiscard]] std::optional<StateId> first_beyond_start(zone::SectionId section) const;
   void find_cells();
-  void add_footprints(const std::vector<std::uint32_t>& point_of);
-  [[nodiscard]] std::vector<std::uint32_t> find_points();
+  [[nodiscard]] std::vector<StateId> find_points() const;
   [[nodiscard]] SweptArea area_of(const Move& move) const;
   void add_sweeps(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& touching);
   [[nodiscard]] bool have_common_cell(StateId a, StateId b) const;
@@ -141,40 +141,33 @@ SweptArea TrackFloor::Builder::area_of(const Move& move) const {
   return area;
 }
 
-std::vector<std::uint32_t> TrackFloor::Builder::find_points() {
-  // States at one point touch, of course: among these pairs those that are near.
-  std::vector<std::uint32_t> point_of(states_.size());
-  for (StateId state = 0; state < states_.size(); ++state)
-    point_of[state] = states_at(cosiva::position(zone_.circuit.pose_at(states_[state]))).front();
-  return point_of;
+/// For each state the first one at the same point, whose number is the point's cell.
+std::vector<StateId> TrackFloor::Builder::find_points() const {
+  std::vector<StateId> first_at_point;
+  for (const zone::TrackPosition& at : states_)
+    first_at_point.push_back(states_at(cosiva::position(zone_.circuit.pose_at(at))).front());
+  return first_at_point;
 }
 
 void TrackFloor::Builder::find_cells() {
   std::vector<SweptArea> areas;
-  for (const zone::TrackPosition& at : states_) {
+  for (const zone::TrackPosition& at : states_)
     areas.emplace_back(zone_.vehicle, margin_m()).add_pose(zone_.circuit.pose_at(at));
-    description_.states.emplace_back();
-  }
   for (const Move& move : moves_) areas.push_back(area_of(move));
   const auto point_of = find_points();
-  add_footprints(point_of);
+  for (const StateId point : point_of) description_.states.push_back({{point}, {}});
+  description_.cells = static_cast<CellId>(states_.size());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> touching;
   each_touching(areas, [&](std::uint32_t a, std::uint32_t b) { touching.emplace_back(a, b); });
   std::ranges::sort(touching);
   for (const auto& [a, b] : touching) {
-    if (b >= states_.size()) continue;
-    if (point_of[a] == point_of[b]) continue;
+    if (b >= states_.size() || point_of[a] == point_of[b]) continue;
     for (const StateId state : {a, b}) description_.states[state].footprint.push_back(description_.cells);
     ++description_.cells;
   }
   for (auto& state : description_.states) std::ranges::sort(state.footprint);
   for (const Move& move : moves_) description_.states[move.from].moves.push_back({move.to, {}});
   add_sweeps(touching);
-}
-
-void TrackFloor::Builder::add_footprints(const std::vector<std::uint32_t>& point_of) {
-  for (StateId state = 0; state < states_.size(); ++state) description_.states[state].footprint = {point_of[state]};
-  description_.cells = static_cast<CellId>(states_.size());
 }
 
 bool TrackFloor::Builder::have_common_cell(StateId a, StateId b) const {
@@ -231,7 +224,6 @@ TrackFloor TrackFloor::Builder::build() {
   lay_states();
   lay_moves();
   find_cells();
-  // Goals are part of the description, so that they are named first.
   std::map<std::string, GoalId, std::less<>> goals;
   const auto add = [&](const std::string& name, zone::TrackPosition at) {
     if (goals.contains(name)) return;

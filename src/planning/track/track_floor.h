@@ -33,8 +33,7 @@ class TrackFloor {
   /// Sections of a move after the one where it begins, in driving order; the last contains its end.
   [[nodiscard]] std::span<const zone::SectionId> sections(StateId from, StateId to) const;
   /// The state of a vehicle that is stopped at this position, within `tolerance_m` along the section; none: the
-  /// position is between two waypoints. At the beginning of a section that is the end of a section before, from which a
-  /// vehicle gets there with the least turn.
+  /// position is between two waypoints.
   [[nodiscard]] std::optional<StateId> state_at(zone::TrackPosition position, double tolerance_m = 0.05) const;
   /// The first state at or after this position, along the sections that follow; none: there is none before they end.
   [[nodiscard]] std::optional<StateId> state_after(zone::TrackPosition position,

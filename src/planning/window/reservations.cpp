@@ -27,15 +27,12 @@ Reservations::Reservations(const Floor& floor, std::uint32_t horizon, bool cycle
   if (floor.has_sweeps()) sweepers_.assign((length() + 1) * floor.cells(), no_vehicle);
 }
 
-void Reservations::begin(std::span<const StateId> present, std::span<const CellId> blocked) {
+void Reservations::begin(std::span<const StateId> present) {
   // Only what is occupied is cleared: a floor has many more cells than vehicles.
   for (Vehicle vehicle = 0; vehicle < has_path_.size(); ++vehicle) {
     if (has_path(vehicle)) remove(vehicle);
     for (const CellId cell : floor_->footprint(present_[vehicle])) owners_[slot(0, cell)] = no_vehicle;
   }
-  for (const CellId cell : blocked_)
-    for (std::uint32_t step = 0; step <= horizon_; ++step) owners_[slot(step, cell)] = no_vehicle;
-  blocked_.clear();
   present_.assign(present.begin(), present.end());
   has_path_.assign(present.size(), 0);
   visited_.assign(present.size(), 0);
@@ -46,11 +43,6 @@ void Reservations::begin(std::span<const StateId> present, std::span<const CellI
       COSIVA_EXPECT(owners_[slot(0, cell)] == no_vehicle);
       owners_[slot(0, cell)] = vehicle;
     }
-  }
-  for (const CellId cell : blocked) {
-    if (owners_[slot(0, cell)] != no_vehicle) continue;
-    blocked_.push_back(cell);
-    for (std::uint32_t step = 0; step <= horizon_; ++step) owners_[slot(step, cell)] = obstacle;
   }
 }
 
@@ -75,11 +67,8 @@ void Reservations::write(std::span<const StateId> path, Vehicle owner) {
 }
 
 std::span<const CellId> Reservations::sweep_of(StateId from, StateId to) const {
-  if (from == to || sweepers_.empty()) return {};
-  const auto successors = floor_->successors(from);
-  const auto move = std::ranges::find(successors, to);
-  COSIVA_EXPECT(move != successors.end());
-  return floor_->sweep(from, static_cast<std::size_t>(move - successors.begin()));
+  // Most floors have none: there this must cost nothing.
+  return sweepers_.empty() ? std::span<const CellId>{} : floor_->sweep_between(from, to);
 }
 
 template <typename Found>
@@ -89,7 +78,7 @@ bool Reservations::each_swept(Vehicle vehicle, StateId from, StateId to, std::ui
   // A vehicle without path is still where it is.
   for (const CellId cell : sweep_of(from, to))
     for (const Vehicle owner : {owners_[slot(step - 1, cell)], owners_[slot(step, cell)], sweepers_[slot(step, cell)]})
-      if (other(owner) && (owner == obstacle || step == 1 || has_path(owner)) && !found(owner)) return false;
+      if (other(owner) && (step == 1 || has_path(owner)) && !found(owner)) return false;
   for (const CellId cell : floor_->footprint(to))
     for (const Vehicle owner : {sweepers_[slot(step, cell)], sweepers_[slot(step + 1, cell)]})
       if (other(owner) && !found(owner)) return false;

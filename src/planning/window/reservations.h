@@ -11,8 +11,6 @@ namespace cosiva::planning {
 
 using Vehicle = std::uint32_t;  ///< index of a vehicle in the fleet that is planned
 inline constexpr Vehicle no_vehicle = std::numeric_limits<Vehicle>::max();
-/// Owner of blocked cells.
-inline constexpr Vehicle obstacle = no_vehicle - 1;
 
 /// A vehicle whose path contradicts another one's, and the step in which it first does.
 struct Conflict {
@@ -40,8 +38,7 @@ class Reservations {
   [[nodiscard]] std::size_t vehicles() const noexcept { return has_path_.size(); }
 
   /// Begins with these present states, which have no cell in common, and no paths.
-  /// @param blocked  cells that no path may enter; those in which a vehicle is are not blocked
-  void begin(std::span<const StateId> present, std::span<const CellId> blocked = {});
+  void begin(std::span<const StateId> present);
 
   /// @param path  horizon + 1 states from the present one, free of conflicts with all paths
   void add(Vehicle vehicle, std::span<const StateId> path);
@@ -86,7 +83,6 @@ class Reservations {
   std::vector<Vehicle> owners_;                 // (horizon + 1) × cells
   std::vector<Vehicle> sweepers_;               // (horizon + 2) × cells; empty on a floor without sweeps
   std::vector<StateId> present_;                // of the last `begin`
-  std::vector<CellId> blocked_;                 // of the last `begin`, without those of vehicles
   mutable std::vector<std::uint32_t> visited_;  // by vehicle: the last chain that led to it
   mutable std::vector<Vehicle> open_;           // vehicles of a chain, to be examined
   mutable std::uint32_t chain_{0};

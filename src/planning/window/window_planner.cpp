@@ -153,8 +153,7 @@ void WindowPlanner::choose_group(Vehicle vehicle) {
 }
 
 void WindowPlanner::add_to_group(Vehicle vehicle) {
-  if (vehicle == no_vehicle || vehicle == obstacle || group_.size() >= options_.group ||
-      std::ranges::find(group_, vehicle) != group_.end())
+  if (vehicle == no_vehicle || group_.size() >= options_.group || std::ranges::find(group_, vehicle) != group_.end())
     return;
   group_.push_back(vehicle);
 }

@@ -9,6 +9,7 @@
 #include "cosiva/zone/check/deadlock.h"
 #include "cosiva/zone/layout/beacon_free.h"
 #include "cosiva/zone/layout/rounding.h"
+#include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/routing/route.h"
 
 namespace cosiva::zone {
@@ -183,15 +184,6 @@ class Checker {
     }
   }
 
-  /// At a node or a station of the file a vehicle begins even inside a crossing (TrafficZone::start_positions).
-  [[nodiscard]] bool at_waypoint(TrackPosition start) const {
-    constexpr double near_m = 0.02;
-    const std::size_t at = zone_.waypoint_behind({start.section, start.s_m + near_m});
-    if (at == zone_.waypoints.size()) return false;
-    const TrackPosition& waypoint = zone_.waypoints[at].position;
-    return waypoint.section == start.section && std::fabs(waypoint.s_m - start.s_m) <= near_m;
-  }
-
   void starts() {
     const double room_m = stopping_room_m(zone_.vehicle);
     std::vector<Point2> taken;
@@ -199,7 +191,8 @@ class Checker {
       const Point2 p = position(circuit_.pose_at(start));
       const bool free = std::none_of(taken.begin(), taken.end(), [&](Point2 q) { return distance(p, q) < room_m; });
       const std::string which = "start " + std::to_string(taken.size() + 1);
-      if ((zone_.crossing_at(start) != nullptr || !zone_.may_stop(start)) && !at_waypoint(start))
+      // At a node or a station of the file a vehicle begins even inside a crossing (TrafficZone::start_positions).
+      if ((zone_.crossing_at(start) != nullptr || !zone_.may_stop(start)) && !is_at_waypoint(zone_, start))
         record(Severity::error, "zone.start", start, which + " lies where no vehicle may stop");
       else if (!free)
         record(Severity::warning, "zone.start", start,

@@ -1,10 +1,10 @@
 #include "cosiva/zone/layout/traffic_zone.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "cosiva/base/expect.h"
+#include "cosiva/zone/layout/waypoints.h"
 
 namespace cosiva::zone {
 namespace {
@@ -201,11 +201,7 @@ void spread(const TrafficZone& zone, const std::vector<Spot>& free, std::size_t 
 
 /// Whether a vehicle may begin where it may not stop otherwise: on a waypoint inside a crossing that no other is in.
 bool may_begin(const TrafficZone& zone, const Spot& spot, const std::vector<Spot>& taken) {
-  constexpr double near_m = 0.02;
-  const auto at = zone.waypoint_behind({spot.position.section, spot.position.s_m + near_m});
-  if (at == zone.waypoints.size() || zone.waypoints[at].position.section != spot.position.section ||
-      std::fabs(spot.position.s_m - zone.waypoints[at].position.s_m) > near_m)
-    return false;
+  if (!is_at_waypoint(zone, spot.position)) return false;
   const auto covers = [](const Crossing& crossing, const TrackPosition& track_position) {
     return std::any_of(crossing.spans.begin(), crossing.spans.end(), [&](const CrossingSpan& span) {
       return span.section == track_position.section && span.from_m <= track_position.s_m &&

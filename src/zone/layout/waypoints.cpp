@@ -284,4 +284,12 @@ std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Cr
   return Layer{circuit, crossings, rules}.lay_all();
 }
 
+bool is_at_waypoint(const TrafficZone& zone, TrackPosition position) {
+  constexpr double near_m = 0.02;
+  const std::size_t at = zone.waypoint_behind({position.section, position.s_m + near_m});
+  if (at == zone.waypoints.size()) return false;
+  const TrackPosition& waypoint = zone.waypoints[at].position;
+  return waypoint.section == position.section && std::fabs(waypoint.s_m - position.s_m) <= near_m;
+}
+
 }  // namespace cosiva::zone

@@ -32,4 +32,7 @@ struct WaypointRules {
 [[nodiscard]] std::vector<Waypoint> lay_waypoints(const Circuit& circuit, const std::vector<Crossing>& crossings,
                                                   const WaypointRules& rules);
 
+/// A waypoint of the zone lies at this position, or at most 2 cm from it on the same section.
+[[nodiscard]] bool is_at_waypoint(const TrafficZone& zone, TrackPosition position);
+
 }  // namespace cosiva::zone
