@@ -11,7 +11,7 @@
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/result.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/wire/own/control_areas.h"
 #include "cosiva/wire/runtime/core.h"
 #include "cosiva/zone/rtm/rtm.h"

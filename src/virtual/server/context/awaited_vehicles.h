@@ -9,7 +9,7 @@
 #include "cosiva/base/json_writer.h"
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/context/server_context.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 
 namespace cosiva::virtual_side {

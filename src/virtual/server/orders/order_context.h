@@ -2,7 +2,7 @@
 
 #include "cosiva/base/time.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/virtual/server/orders/order_rules.h"
 #include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"

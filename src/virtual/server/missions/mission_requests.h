@@ -9,7 +9,7 @@
 #include "cosiva/base/result.h"
 #include "cosiva/virtual/server/commands/values/operator_command.h"
 #include "cosiva/virtual/server/messages/message_publisher.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/virtual/server/registry/registry.h"
 
 namespace cosiva::virtual_side {

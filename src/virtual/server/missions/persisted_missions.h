@@ -7,7 +7,7 @@
 #include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/json_value.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/virtual/server/registry/registry.h"
 #include "cosiva/virtual/server/right_of_way/waypoint_graph.h"
 

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/mission_requests.h"
+#include "cosiva/virtual/server/missions/mission_requests.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/roaming.h"
+#include "cosiva/virtual/server/missions/roaming.h"
 
 #include <algorithm>
 #include <limits>

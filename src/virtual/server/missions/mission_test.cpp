@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/mission.h"
+#include "cosiva/virtual/server/missions/mission.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/persisted_missions.h"
+#include "cosiva/virtual/server/missions/persisted_missions.h"
 
 #include <algorithm>
 #include <string_view>
@@ -6,7 +6,7 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
-#include "cosiva/virtual/server/orders/mission.h"
+#include "cosiva/virtual/server/missions/mission.h"
 
 namespace cosiva::virtual_side {
 

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "cosiva/base/digest.h"
 #include "cosiva/base/json_writer.h"
-#include "cosiva/virtual/server/orders/mission.h"
+#include "cosiva/virtual/server/missions/mission.h"
 #include "cosiva/virtual/server/testing/orders_fixture.h"
 #include "cosiva/virtual/server/testing/server_fixture.h"
 

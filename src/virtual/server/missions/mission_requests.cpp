@@ -1,11 +1,11 @@
-#include "cosiva/virtual/server/orders/mission_requests.h"
+#include "cosiva/virtual/server/missions/mission_requests.h"
 
 #include <algorithm>
 #include <string>
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/likeness.h"
-#include "cosiva/virtual/server/orders/mission.h"
+#include "cosiva/virtual/server/missions/mission.h"
 
 namespace cosiva::virtual_side {
 namespace {

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/missions.h"
+#include "cosiva/virtual/server/missions/missions.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/persisted_missions.h"
+#include "cosiva/virtual/server/missions/persisted_missions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
