@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/digest.h"
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
@@ -53,5 +54,7 @@ double Random::gaussian() noexcept {
     return u * scale;
   }
 }
+
+void Random::archive(Archive& archive) { archive(state_, spare_, has_spare_); }
 
 }  // namespace cosiva

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "cosiva/base/archive_fwd.h"
+
 namespace cosiva {
 
 /// A stream of random numbers that is the same on every machine. Streams of one run have different names, so that an
@@ -33,6 +35,7 @@ class Random {
   [[nodiscard]] bool chance(double probability) noexcept { return uniform() < probability; }
   [[nodiscard]] double gaussian() noexcept;  ///< mean 0, standard deviation 1
   [[nodiscard]] double gaussian(double mean, double sd) noexcept { return mean + sd * gaussian(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   std::array<std::uint64_t, 4> state_;

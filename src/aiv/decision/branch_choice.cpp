@@ -45,7 +45,11 @@ std::uint8_t choose_branch(const zone::Circuit& circuit, const PositionEstimator
   for (std::size_t i = traversed.size(); i-- > 0 && back_m < std::min(fork_passed_m, 0.5 * (back_m + end_m));) {
     const zone::SectionId from = traversed[i];
     if (bend_rad(circuit, from, to) != 0.0) break;  // that turn is done
-    if (circuit.next(from).size() > 1) return number(from, to);
+    if (circuit.next(from).size() > 1) {
+      // A vehicle that is to stop at the fork and overshoots it by its own estimate has not taken any branch.
+      const bool led_over_it = base_m + back_m > order.past_base_end_m() + rounding_m;
+      return led_over_it ? number(from, to) : wire::no_branch;
+    }
     back_m += circuit.section(from).length_m();
     to = from;
   }

@@ -343,6 +343,14 @@ TEST(BranchChoice, is_that_of_the_order_from_its_base_to_ten_centimetres_beyond_
   EXPECT_EQ(choose_branch(zone.circuit, position, book), wire::no_branch);
 }
 
+TEST(BranchChoice, is_none_for_a_vehicle_that_overshoots_the_fork_at_the_end_of_its_base) {
+  const zone::TrafficZone& zone = test::diamond();
+  const auto base_to_the_fork = order("O").through({"T1", "F"});
+  for (const double driven_m : {0.95, 0.999, 1.003, 1.02})
+    EXPECT_EQ(chosen_branch(zone, at(zone, "trunk", 1.0), base_to_the_fork, driven_m), int{wire::no_branch})
+        << driven_m;
+}
+
 // --- limits that are met exactly ----------------------------------------------------------------------------------
 
 TEST(CrossingLookAhead, counts_a_crossing_at_its_reach_and_none_at_whose_begin_the_vehicle_is) {

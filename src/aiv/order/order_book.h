@@ -98,6 +98,8 @@ class OrderBook {
   /// Path distance to the last released node, which the vehicle may drive without a further release. 0 without a base;
   /// when the end of the base already counts as traversed, still the last millimetres to it.
   [[nodiscard]] double distance_to_base_end_m() const { return std::max(0.0, base_end_path_m_ - travelled_m_); }
+  /// How far the vehicle has driven beyond the end of its base.
+  [[nodiscard]] double past_base_end_m() const { return std::max(0.0, travelled_m_ - base_end_path_m_); }
   [[nodiscard]] bool horizon_left() const { return !targets_.empty() && !targets_.back().node.released; }
 
   [[nodiscard]] const OrderIds& ids() const { return ids_; }

@@ -64,6 +64,15 @@ std::string deadlocks_text(const JsonValue* deadlocks) {
          (open > 0.0 ? " (" + decimals(open, 0) + " not resolved)" : "");
 }
 
+/// On zones with two-way tracks, where routes are planned.
+std::string routes_text(const JsonValue* routes) {
+  if (routes == nullptr) return {};
+  return " (of a route " + decimals(routes->number("longest_wait_s").value_or(0.0), 1) + " s, 99 % up to " +
+         decimals(routes->number("wait_p99_s").value_or(0.0), 0) + " s), " +
+         decimals(routes->number("arrivals").value_or(0.0), 0) + " arrivals, at least " +
+         decimals(routes->number("least_arrivals").value_or(0.0), 0) + " of each AIV";
+}
+
 }  // namespace
 
 Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view server_summary,
@@ -83,6 +92,8 @@ Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view serve
   write_json(json.begin_object().key("bijection"), *bijection);
   json.field("aivs", metadata.aivs).field("collisions", touched).field("laps", laps);
   json.field("longest_wait_s", longest_wait_s);
+  const JsonValue* routes = server->find("routes");
+  if (routes != nullptr) write_json(json.key("routes"), *routes);
   const JsonValue* deadlocks = server->find("deadlocks");
   if (deadlocks != nullptr) write_json(json.key("deadlocks"), *deadlocks);
   json.field("digest", metadata.digest).field("duration_s", metadata.duration_s);
@@ -94,14 +105,15 @@ Result<RunSummary> summarise(const RunMetadata& metadata, std::string_view serve
   const auto counted = [&](const char* what) { return bijection->number(what).value_or(-1.0); };
   const double wanted = metadata.aivs;
   run.collided = touched > 0;
+  run.deadlocked = deadlocks != nullptr && deadlocks->number("unresolved").value_or(0.0) > 0.0;
   run.all_matched = counted("matched") == wanted && counted("physical") == wanted && counted("virtual") == wanted;
 
   run.text = decimals(metadata.duration_s, 1) + " s on " + metadata.zone + ": " +
              matched_text(*bijection, metadata.aivs) + ", divergence p99 " +
              millis(*bijection, "divergence_m", 1e3, " mm") + ", age p99 " + millis(*bijection, "age_ms", 1.0, " ms") +
              "\n" + std::to_string(touched) + " collisions, " + decimals(laps, 0) + " laps, longest wait " +
-             decimals(longest_wait_s, 1) + " s" + deadlocks_text(deadlocks) + ", digest " + metadata.digest +
-             augmented(*bijection) + late(*bijection);
+             decimals(longest_wait_s, 1) + " s" + routes_text(routes) + deadlocks_text(deadlocks) + ", digest " +
+             metadata.digest + augmented(*bijection) + late(*bijection);
   return run;
 }
 

@@ -11,9 +11,10 @@ namespace cosiva::app {
 /// The results of a run of the whole platform, from the summaries of its parts.
 struct RunSummary {
   std::string
-      json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","deadlocks","digest","duration_s","zone","seed","scenario"?}
+      json;  ///< {"bijection","aivs","collisions","laps","longest_wait_s","routes"?,"deadlocks","digest","duration_s","zone","seed","scenario"?}
   std::string text;    ///< the same as text: two lines, and a third where there were virtual objects
   bool collided{};     ///< some vehicle touched another body
+  bool deadlocked{};   ///< at the end a deadlock was not resolved that no vehicle could resolve by yielding
   bool all_matched{};  ///< every requested vehicle had exactly one twin at the end, and no other vehicle was present
 };
 

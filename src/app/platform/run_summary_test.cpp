@@ -106,5 +106,27 @@ TEST(RunSummary, names_the_scenario_if_there_was_one) {
   EXPECT_EQ(JsonValue::parse(summarise(with, server(2, 2, 2), calm_plant)->json)->text("scenario"), "showroom");
 }
 
+TEST(RunSummary, is_deadlocked_where_a_deadlock_is_not_resolved_at_the_end) {
+  const auto with = [](const std::string& deadlocks) {
+    std::string text = server(2, 2, 2);
+    text.insert(text.size() - 1, R"(,"deadlocks":)" + deadlocks);
+    return summarise(metadata, text, calm_plant)->deadlocked;
+  };
+  EXPECT_FALSE(with(R"({"detected":3,"open":0,"unresolved":0})"));
+  EXPECT_FALSE(with(R"({"detected":3,"open":1,"unresolved":0})")) << "a vehicle is yielding";
+  EXPECT_TRUE(with(R"({"detected":3,"open":1,"unresolved":1})"));
+}
+
+TEST(RunSummary, reports_waits_and_arrivals_of_planned_routes) {
+  std::string text = server(2, 2, 2);
+  text.insert(text.size() - 1,
+              R"(,"routes":{"waits":7,"wait_p99_s":12,"longest_wait_s":12.5,"arrivals":9,"least_arrivals":4})");
+  const auto run = summarise(metadata, text, calm_plant);
+  ASSERT_TRUE(run);
+  EXPECT_EQ(JsonValue::parse(run->json)->find("routes")->number("longest_wait_s"), 12.5);
+  EXPECT_THAT(run->text, HasSubstr("longest wait 3.5 s (of a route 12.5 s, 99 % up to 12 s), 9 arrivals, at least 4 of "
+                                   "each AIV"));
+}
+
 }  // namespace
 }  // namespace cosiva::app

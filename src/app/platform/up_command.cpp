@@ -263,7 +263,8 @@ class Up {
       print(arguments().json ? run->json : run->text);
     }
     print_info("the logs are in " + arguments().log_directory);
-    if (outcome_.failed || !run || run->collided) return outcome_.interrupted && !run ? exit_done : exit_check_failed;
+    if (outcome_.failed || !run || run->collided || run->deadlocked)
+      return outcome_.interrupted && !run ? exit_done : exit_check_failed;
     // For a run that the operator ended early, no complete fleet is required.
     return outcome_.interrupted || run->all_matched ? exit_done : exit_check_failed;
   }

@@ -69,7 +69,7 @@ int VirtualRun::finish(bool interrupted) const {
   const auto run = summarise(metadata, world_->server().summary_json(), world_->plant().summary_json());
   if (!run) return report_error(run.error());
   print(plan_.arguments.json ? run->json : run->text);
-  return run->collided || (!run->all_matched && !interrupted) ? exit_check_failed : exit_done;
+  return run->collided || run->deadlocked || (!run->all_matched && !interrupted) ? exit_check_failed : exit_done;
 }
 
 }  // namespace cosiva::app

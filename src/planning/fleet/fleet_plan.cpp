@@ -2,29 +2,30 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
 
-FleetPlan::FleetPlan(const Floor& floor, const FleetPlanOptions& options, std::uint64_t seed)
+FleetPlan::FleetPlan(const Floor& floor, const Floor& open, const FleetPlanOptions& options, std::uint64_t seed)
     : options_{options},
-      distances_{floor},
-      planner_{floor, distances_, options.window, seed},
-      search_{floor, distances_, options.window.cycles},
+      distances_{open},
+      planner_{open, distances_, options.window, seed},
+      search_{open, distances_, options.window.cycles},
       order_{floor} {
-  COSIVA_EXPECT(options.unfinished_max > options.planned_min);
+  COSIVA_EXPECT(options.unfinished_max > options.planned_min && open.states() == floor.states());
 }
 
 void FleetPlan::begin(std::span<const StateId> states) {
-  std::vector<std::vector<StateId>> granted;
-  for (const StateId state : states) granted.push_back({state});
+  std::vector<GrantedMoves> granted;
+  for (const StateId state : states) granted.push_back({{state}, false});
   begin(granted);
 }
 
-void FleetPlan::begin(std::span<const std::vector<StateId>> granted) {
+void FleetPlan::begin(std::span<const GrantedMoves> granted) {
   order_.begin(granted);
   fleet_.clear();
-  for (const auto& states : granted) fleet_.push_back({states.back(), {}, 0});
+  for (const GrantedMoves& moves : granted) fleet_.push_back({moves.states.back(), {}, 0});
   progress_.assign(granted.size(), {});
   found_ = {};
   steps_since_change_ = 0;
@@ -168,6 +169,10 @@ bool FleetPlan::search_for(Vehicle vehicle) {
   found_ = {vehicle, order_.ended_moves(vehicle) + order_.granted_moves(vehicle) + order_.planned_moves(vehicle)};
   progress.configurations_max = 0;
   return true;
+}
+
+void FleetPlan::archive(Archive& archive) {
+  archive(planner_, order_, fleet_, progress_, found_, steps_, steps_since_change_, replans_);
 }
 
 }  // namespace cosiva::planning

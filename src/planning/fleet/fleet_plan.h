@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/planning/floor/distances.h"
 #include "cosiva/planning/floor/floor.h"
 #include "cosiva/planning/passing/passing_order.h"
@@ -34,18 +35,24 @@ struct FleetPlanOptions {
 class FleetPlan {
  public:
   /// @param floor  must outlive the plan
-  FleetPlan(const Floor& floor, const FleetPlanOptions& options, std::uint64_t seed);
+  FleetPlan(const Floor& floor, const FleetPlanOptions& options, std::uint64_t seed)
+      : FleetPlan{floor, floor, options, seed} {}
+  /// @param floor  of the moves that may have been granted before
+  /// @param open   the same without what is obstructed now: of the moves that are planned; both must outlive the plan
+  FleetPlan(const Floor& floor, const Floor& open, const FleetPlanOptions& options, std::uint64_t seed);
 
   /// Begins with vehicles at a standstill in these states, which have no cell in common, without stops.
   void begin(std::span<const StateId> states);
   /// Likewise, with vehicles that have been granted moves before: see PassingOrder::begin.
-  void begin(std::span<const std::vector<StateId>> granted);
+  void begin(std::span<const GrantedMoves> granted);
   [[nodiscard]] std::size_t vehicles() const noexcept { return fleet_.size(); }
   [[nodiscard]] const PassingOrder& order() const noexcept { return order_; }
 
   /// What the vehicle still has to do: its stops that have not ended, the present one first. Where they are those of
   /// before without the ones that have ended, the plan goes on.
   void set_stops(Vehicle vehicle, std::span<const Stop> stops, std::uint32_t urgency);
+  /// In its next granted move, the vehicle is clear of the beginning: see PassingOrder::clear.
+  void clear(Vehicle vehicle) { order_.clear(vehicle); }
   /// The vehicle has arrived at the end of its next granted move.
   void arrive(Vehicle vehicle) {
     order_.arrive(vehicle);
@@ -68,7 +75,7 @@ class FleetPlan {
   /// Joint steps made, and how often the plan was made again from the ends of granted moves, since the beginning.
   [[nodiscard]] std::uint64_t steps() const noexcept { return steps_; }
   [[nodiscard]] std::uint64_t replans() const noexcept { return replans_; }
-  [[nodiscard]] std::uint64_t expansions() const noexcept { return planner_.expansions(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// How far the plan has come with a vehicle's stops.

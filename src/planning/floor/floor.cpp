@@ -1,6 +1,7 @@
 #include "cosiva/planning/floor/floor.h"
 
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "cosiva/base/expect.h"
@@ -84,6 +85,35 @@ Result<Floor> Floor::make(const FloorDescription& description) {
   }
   for (const auto& list : predecessors) floor.predecessors_.add(list);
   for (const auto& goal : description.goals) floor.goals_.add(sorted(goal));
+  COSIVA_EXPECT(floor.predecessors_.size() == floor.footprints_.size());
+  return floor;
+}
+
+Floor Floor::without(const Obstruction& obstruction) const {
+  std::vector<bool> occupied(cells_, false);
+  for (const CellId cell : obstruction.cells) occupied[cell] = true;
+  const std::set<FloorMove> closed{obstruction.moves.begin(), obstruction.moves.end()};
+  Floor floor;
+  floor.cells_ = cells_;
+  floor.footprints_ = footprints_;
+  floor.goals_ = goals_;
+  std::vector<std::vector<StateId>> predecessors(states());
+  for (StateId from = 0; from < states(); ++from) {
+    const auto own = footprint(from);
+    const auto is_entered = [&](CellId cell) { return occupied[cell] && !std::ranges::binary_search(own, cell); };
+    std::vector<StateId> ends;
+    for (std::size_t move = 0; move < successors(from).size(); ++move) {
+      const StateId to = successors(from)[move];
+      if (closed.contains({from, to}) || std::ranges::any_of(footprint(to), is_entered) ||
+          std::ranges::any_of(sweep(from, move), is_entered))
+        continue;
+      ends.push_back(to);
+      predecessors[to].push_back(from);
+      floor.sweeps_.add(sweep(from, move));
+    }
+    floor.successors_.add(ends);
+  }
+  for (const auto& list : predecessors) floor.predecessors_.add(list);
   COSIVA_EXPECT(floor.predecessors_.size() == floor.footprints_.size());
   return floor;
 }

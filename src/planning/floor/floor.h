@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -15,6 +16,20 @@ using GoalId = std::uint32_t;   ///< index of a goal of a floor
 
 /// Of a vehicle without destination.
 inline constexpr GoalId no_goal = std::numeric_limits<GoalId>::max();
+
+/// A move, by its ends.
+struct FloorMove {
+  StateId from{};
+  StateId to{};
+  friend auto operator<=>(const FloorMove&, const FloorMove&) = default;
+};
+
+/// What is obstructed on a floor.
+struct Obstruction {
+  std::vector<CellId> cells;     ///< occupied by something that is no vehicle of the plan
+  std::vector<FloorMove> moves;  ///< that cannot be made for other reasons
+  friend bool operator==(const Obstruction&, const Obstruction&) = default;
+};
 
 /// The description from which a Floor is made.
 struct FloorDescription {
@@ -43,6 +58,9 @@ class Floor {
  public:
   /// Fails ("floor.index", "floor.footprint", "floor.move", "floor.goal") and names the state, move or goal.
   [[nodiscard]] static Result<Floor> make(const FloorDescription& description);
+  /// This floor without the moves that are obstructed, or that enter an obstructed cell; states, cells and goals are
+  /// the same. A vehicle that is in an obstructed cell may leave it.
+  [[nodiscard]] Floor without(const Obstruction& obstruction) const;
 
   [[nodiscard]] std::uint32_t states() const noexcept { return static_cast<std::uint32_t>(footprints_.size()); }
   [[nodiscard]] std::uint32_t cells() const noexcept { return cells_; }

@@ -113,5 +113,24 @@ TEST(Floor, refuses_goals_without_states_or_with_one_that_does_not_exist) {
   EXPECT_EQ(code_of(description), "floor.goal");
 }
 
+TEST(Floor, without_what_is_obstructed_lacks_the_moves_that_need_it) {
+  const Floor floor = *Floor::make(two_points());
+  const Floor no_turn = floor.without({{2}, {}});
+  EXPECT_THAT(no_turn.successors(0), ElementsAre(2));
+  EXPECT_THAT(no_turn.sweep(0, 0), ElementsAre(3)) << "sweeps belong to the moves that remain";
+  EXPECT_THAT(no_turn.predecessors(0), IsEmpty());
+  const Floor no_move = floor.without({{}, {{3, 2}}});
+  EXPECT_THAT(no_move.successors(3), ElementsAre(1));
+  EXPECT_THAT(no_move.predecessors(2), ElementsAre(0));
+  EXPECT_EQ(no_move.states(), floor.states());
+  EXPECT_EQ(no_move.goals(), floor.goals());
+}
+
+TEST(Floor, without_a_cell_lets_a_vehicle_in_that_cell_leave_it) {
+  const Floor floor = Floor::make(two_points())->without({{1}, {}});
+  EXPECT_THAT(floor.successors(0), ElementsAre(1)) << "states 2 and 3 occupy cell 1";
+  EXPECT_THAT(floor.successors(3), ElementsAre(2, 1)) << "a vehicle there has the cell already";
+}
+
 }  // namespace
 }  // namespace cosiva::planning

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
@@ -9,19 +10,21 @@ namespace cosiva::planning {
 PassingOrder::PassingOrder(const Floor& floor) : floor_{&floor}, queues_(floor.cells()) {}
 
 void PassingOrder::begin(std::span<const StateId> states) {
-  std::vector<std::vector<StateId>> granted;
-  for (const StateId state : states) granted.push_back({state});
+  std::vector<GrantedMoves> granted;
+  for (const StateId state : states) granted.push_back({{state}, false});
   begin(granted);
 }
 
-void PassingOrder::begin(std::span<const std::vector<StateId>> granted) {
+void PassingOrder::begin(std::span<const GrantedMoves> granted) {
   for (auto& queue : queues_) queue.clear();
   vehicles_.clear();
   for (std::uint32_t vehicle = 0; vehicle < granted.size(); ++vehicle) {
-    const auto& states = granted[vehicle];
-    COSIVA_EXPECT(!states.empty());
-    vehicles_.push_back({{states.begin(), states.end()}, states.size() - 1, 0});
-    for (const CellId cell : floor_->footprint(states[0])) queues_[cell].push_back({vehicle, 0});
+    const auto& [states, is_clear] = granted[vehicle];
+    COSIVA_EXPECT(states.size() > (is_clear ? 1U : 0U));
+    vehicles_.push_back({{states.begin(), states.end()}, states.size() - 1, 0, is_clear});
+    for (const CellId cell : floor_->footprint(states[0]))
+      if (!is_clear || std::ranges::binary_search(floor_->footprint(states[1]), cell))
+        queues_[cell].push_back({vehicle, 0});
     for (std::size_t move = 1; move < states.size(); ++move) enter(vehicle, states[move - 1], states[move], move);
   }
   for (const auto& queue : queues_)
@@ -91,18 +94,25 @@ void PassingOrder::leave(std::uint32_t vehicle, CellId cell) {
   queue.pop_front();
 }
 
-void PassingOrder::arrive(std::uint32_t vehicle) {
+void PassingOrder::clear(std::uint32_t vehicle) {
   VehicleMoves& moves = vehicles_[vehicle];
-  COSIVA_EXPECT(moves.granted > 0);
-  const StateId from = moves.states[0];
-  const StateId to = moves.states[1];
-  const auto needed = floor_->footprint(to);
-  for (const CellId cell : floor_->footprint(from))
+  COSIVA_EXPECT(moves.granted > 0 && !moves.clear);
+  const auto needed = floor_->footprint(moves.states[1]);
+  for (const CellId cell : floor_->footprint(moves.states[0]))
     if (!std::ranges::binary_search(needed, cell)) leave(vehicle, cell);
-  for (const CellId cell : floor_->sweep_between(from, to)) leave(vehicle, cell);
+  moves.clear = true;
+}
+
+void PassingOrder::arrive(std::uint32_t vehicle) {
+  if (!is_clear(vehicle)) clear(vehicle);
+  VehicleMoves& moves = vehicles_[vehicle];
+  for (const CellId cell : floor_->sweep_between(moves.states[0], moves.states[1])) leave(vehicle, cell);
+  moves.clear = false;
   moves.states.pop_front();
   --moves.granted;
   ++moves.done;
 }
+
+void PassingOrder::archive(Archive& archive) { archive(vehicles_, queues_); }
 
 }  // namespace cosiva::planning

@@ -6,9 +6,16 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/planning/floor/floor.h"
 
 namespace cosiva::planning {
+
+/// The moves that a vehicle has been granted and has not ended.
+struct GrantedMoves {
+  std::vector<StateId> states;  ///< the state at which the vehicle has arrived last, and the ends of the moves
+  bool clear{false};            ///< the vehicle has left what the first move does not need any more
+};
 
 /// Which vehicle passes where before which other one: the part of a plan that an execution has to keep, whatever the
 /// times are (action dependency graph, Hönig et al. 2019). Each cell has a queue of its uses, in the order of the plan;
@@ -28,9 +35,8 @@ class PassingOrder {
 
   /// Begins with vehicles at a standstill in these states, which have no cell in common.
   void begin(std::span<const StateId> states);
-  /// Begins with vehicles that have been granted moves before: of each the state at which it has arrived, and the ends
-  /// of its granted moves. No two vehicles have a cell in common.
-  void begin(std::span<const std::vector<StateId>> granted);
+  /// Begins with vehicles that have been granted moves before. No two vehicles have a cell in common.
+  void begin(std::span<const GrantedMoves> granted);
   [[nodiscard]] std::size_t vehicles() const noexcept { return vehicles_.size(); }
 
   /// Adds a joint step of the plan: the next state of every vehicle, which may be the present one. Steps are added in
@@ -42,6 +48,10 @@ class PassingOrder {
   /// Grants the vehicle's next planned move. False: none is planned, or another vehicle has to pass first
   /// (`waits_for`).
   [[nodiscard]] bool grant(std::uint32_t vehicle);
+  /// In its next granted move, the vehicle is clear of the beginning: what the rest of the move does not need is free
+  /// for the others.
+  void clear(std::uint32_t vehicle);
+  [[nodiscard]] bool is_clear(std::uint32_t vehicle) const { return vehicles_[vehicle].clear; }
   /// The vehicle has arrived at the end of its next granted move: what it has left is free for the others.
   void arrive(std::uint32_t vehicle);
 
@@ -62,6 +72,7 @@ class PassingOrder {
   /// The vehicle that has to pass before this one's next planned move, the first found; none: it may begin, or nothing
   /// is planned.
   [[nodiscard]] std::optional<std::uint32_t> waits_for(std::uint32_t vehicle) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   /// A vehicle's stay in a cell: from the beginning of a move to the end of another one.
@@ -73,6 +84,7 @@ class PassingOrder {
     std::deque<StateId> states;  // of the moves that have not ended, after the state arrived at
     std::size_t granted{0};      // of them
     std::uint64_t done{0};       // moves that have ended, since `begin`
+    bool clear{false};           // has left what the first move does not need any more
   };
 
   void enter(std::uint32_t vehicle, StateId from, StateId to, std::uint64_t move);

@@ -83,7 +83,7 @@ TEST(PassingOrder, forgets_what_is_planned_and_keeps_what_is_granted) {
 TEST(PassingOrder, begins_with_moves_that_were_granted_before) {
   const Floor floor = row(5);
   PassingOrder order{floor};
-  order.begin(std::vector<std::vector<StateId>>{{0, 1, 2}, {4}});
+  order.begin(std::vector<GrantedMoves>{{{0, 1, 2}, false}, {{4}, false}});
   EXPECT_EQ(order.granted_moves(0), 2U);
   add(order, {{2, 3}, {2, 2}, {2, 1}});
   EXPECT_TRUE(order.grant(1));
@@ -92,6 +92,32 @@ TEST(PassingOrder, begins_with_moves_that_were_granted_before) {
   order.arrive(0);
   EXPECT_EQ(order.ended_moves(0), 2U);
   EXPECT_EQ(order.waits_for(1), 0U);
+}
+
+TEST(PassingOrder, lets_a_follower_in_when_the_leader_is_clear_of_the_beginning_of_its_move) {
+  const Floor floor = row(4);
+  PassingOrder order{floor};
+  order.begin(std::array<StateId, 2>{0, 1});
+  add(order, {{1, 2}});
+  ASSERT_TRUE(order.grant(1));
+  EXPECT_FALSE(order.grant(0));
+  order.clear(1);
+  EXPECT_TRUE(order.is_clear(1));
+  EXPECT_TRUE(order.grant(0)) << "the leader has not arrived yet";
+  order.arrive(1);
+  EXPECT_FALSE(order.is_clear(1));
+  EXPECT_EQ(order.states(1).front(), 2U);
+}
+
+TEST(PassingOrder, begins_with_a_vehicle_that_is_clear_where_another_one_is_by_now) {
+  const Floor floor = row(4);
+  PassingOrder order{floor};
+  order.begin(std::vector<GrantedMoves>{{{0, 1}, false}, {{1, 2}, true}});
+  order.arrive(1);
+  order.arrive(0);
+  EXPECT_EQ(order.ended_moves(0), 1U);
+  add(order, {{1, 3}});
+  EXPECT_TRUE(order.grant(1));
 }
 
 TEST(PassingOrder, keeps_swept_cells_free_until_the_move_has_ended) {

@@ -50,10 +50,21 @@ void SweptArea::add_drive(const zone::Circuit& circuit, zone::SectionId section,
   for (int i = 0; i <= steps; ++i) add_pose(circuit.pose_at({section, from_m + (to_m - from_m) * i / steps}));
 }
 
+bool SweptArea::boxes_touch(const SweptArea& other) const {
+  return box_.x_max_m >= other.box_.x_min_m && other.box_.x_max_m >= box_.x_min_m &&
+         box_.y_max_m >= other.box_.y_min_m && other.box_.y_max_m >= box_.y_min_m;
+}
+
+std::optional<std::size_t> SweptArea::last_touching(const SweptArea& other) const {
+  if (!boxes_touch(other)) return std::nullopt;
+  for (std::size_t i = rectangles_.size(); i-- > 0;)
+    if (std::ranges::any_of(other.rectangles_, [&](const Rectangle& its) { return touch(rectangles_[i], its); }))
+      return i;
+  return std::nullopt;
+}
+
 bool SweptArea::touches(const SweptArea& other) const {
-  if (box_.x_max_m < other.box_.x_min_m || other.box_.x_max_m < box_.x_min_m || box_.y_max_m < other.box_.y_min_m ||
-      other.box_.y_max_m < box_.y_min_m)
-    return false;
+  if (!boxes_touch(other)) return false;
   return std::ranges::any_of(rectangles_, [&](const Rectangle& mine) {
     return std::ranges::any_of(other.rectangles_, [&](const Rectangle& its) { return touch(mine, its); });
   });

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "cosiva/base/pose.h"
@@ -25,6 +27,10 @@ class SweptArea {
 
   /// Two bodies, one in each area, could touch.
   [[nodiscard]] bool touches(const SweptArea& other) const;
+  /// The last of the poses added, in their order, at which a body could touch the other area; none: the areas are
+  /// apart.
+  [[nodiscard]] std::optional<std::size_t> last_touching(const SweptArea& other) const;
+  [[nodiscard]] std::size_t poses() const noexcept { return rectangles_.size(); }
   [[nodiscard]] double x_min_m() const noexcept { return box_.x_min_m; }
   [[nodiscard]] double x_max_m() const noexcept { return box_.x_max_m; }
 
@@ -41,6 +47,7 @@ class SweptArea {
     Point2 left;   // half the width, to the left
   };
 
+  [[nodiscard]] bool boxes_touch(const SweptArea& other) const;
   [[nodiscard]] static bool touch(const Rectangle& a, const Rectangle& b);
 
   double half_length_m_;

@@ -18,13 +18,23 @@ constexpr std::size_t sections_max = 256;
 
 /// Calls found(i, j), i < j, for each pair of areas that touch.
 template <typename Found>
-void each_touching(const std::vector<SweptArea>& areas, Found&& found) {
+void each_touching(const std::vector<const SweptArea*>& areas, Found&& found) {
   std::vector<std::uint32_t> order(areas.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return areas[i].x_min_m(); });
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return areas[i]->x_min_m(); });
   for (std::size_t a = 0; a < order.size(); ++a)
-    for (std::size_t b = a + 1; b < order.size() && areas[order[b]].x_min_m() <= areas[order[a]].x_max_m(); ++b)
-      if (areas[order[a]].touches(areas[order[b]])) found(std::min(order[a], order[b]), std::max(order[a], order[b]));
+    for (std::size_t b = a + 1; b < order.size() && areas[order[b]]->x_min_m() <= areas[order[a]]->x_max_m(); ++b)
+      if (areas[order[a]]->touches(*areas[order[b]])) found(std::min(order[a], order[b]), std::max(order[a], order[b]));
+}
+
+/// Cells that a move needs, in ascending order.
+std::vector<CellId> cells_of(const Floor& floor, StateId from, StateId to) {
+  std::vector<CellId> cells;
+  for (const auto& some : {floor.footprint(from), floor.footprint(to), floor.sweep_between(from, to)})
+    cells.insert(cells.end(), some.begin(), some.end());
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
 }
 
 }  // namespace
@@ -33,7 +43,7 @@ void each_touching(const std::vector<SweptArea>& areas, Found&& found) {
 /// state.
 class TrackFloor::Builder {
  public:
-  Builder(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed) : zone_{zone}, closed_{closed} {}
+  explicit Builder(const zone::TrafficZone& zone) : zone_{zone} {}
 
   [[nodiscard]] TrackFloor build();
 
@@ -45,20 +55,19 @@ class TrackFloor::Builder {
   [[nodiscard]] std::optional<StateId> first_beyond_start(zone::SectionId section) const;
   void find_cells();
   [[nodiscard]] std::vector<StateId> find_points() const;
-  [[nodiscard]] SweptArea area_of(const Move& move) const;
+  void drive(Move& move) const;
+  void find_clear(const Floor& floor);
   void add_sweeps(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& touching);
   [[nodiscard]] bool have_common_cell(StateId a, StateId b) const;
   [[nodiscard]] std::vector<StateId> states_at(Point2 point) const;
   /// Of each of two bodies: together they are the zone's clearance, with which its stop lines were laid.
   [[nodiscard]] double margin_m() const { return 0.5 * zone_.clearance_m; }
   [[nodiscard]] double end_m(zone::SectionId section) const { return zone_.circuit.section(section).length_m(); }
-  [[nodiscard]] bool is_closed(zone::SectionId section) const {
-    return std::ranges::find(closed_, section) != closed_.end();
-  }
+  [[nodiscard]] SweptArea empty_area() const { return SweptArea{zone_.vehicle, margin_m()}; }
 
   const zone::TrafficZone& zone_;
-  std::span<const zone::SectionId> closed_;
   std::vector<zone::TrackPosition> states_;
+  std::vector<SweptArea> areas_;
   std::vector<Move> moves_;
   FloorDescription description_;
 };
@@ -104,7 +113,7 @@ void TrackFloor::Builder::lay_moves() {
   std::vector<zone::SectionId> sections;
   for (StateId from = 0; from < states_.size(); ++from) {
     if (from + 1 < states_.size() && states_[from + 1].section == states_[from].section) {
-      moves_.push_back({from, from + 1, {}});
+      moves_.push_back({from, from + 1, {}, 0.0, 0.0, empty_area(), {}, {}});
       continue;
     }
     for (const zone::SectionId next : zone_.circuit.next(states_[from].section)) follow(from, next, sections);
@@ -112,14 +121,13 @@ void TrackFloor::Builder::lay_moves() {
 }
 
 void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vector<zone::SectionId>& sections) {
-  if (is_closed(section) || sections.size() >= sections_max || std::ranges::find(sections, section) != sections.end())
-    return;
+  if (sections.size() >= sections_max || std::ranges::find(sections, section) != sections.end()) return;
   sections.push_back(section);
   if (const auto to = first_beyond_start(section)) {
     // Of several moves to the same state the one found first is the usual one: default successors come first.
     const auto known =
         std::ranges::any_of(moves_, [&](const Move& move) { return move.from == from && move.to == *to; });
-    if (!known && *to != from) moves_.push_back({from, *to, sections});
+    if (!known && *to != from) moves_.push_back({from, *to, sections, 0.0, 0.0, empty_area(), {}, {}});
   } else {
     for (const zone::SectionId next : zone_.circuit.next(section)) follow(from, next, sections);
   }
@@ -128,17 +136,56 @@ void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vec
 
 // --- cells ----------------------------------------------------------------------------------------------------------
 
-SweptArea TrackFloor::Builder::area_of(const Move& move) const {
+/// Determines the move's area and length.
+void TrackFloor::Builder::drive(Move& move) const {
   const zone::Circuit& circuit = zone_.circuit;
-  SweptArea area{zone_.vehicle, margin_m()};
+  const auto add_drive = [&](zone::SectionId section, double from_m, double to_m) {
+    const std::size_t before = move.area.poses();
+    move.area.add_drive(circuit, section, from_m, to_m);
+    const auto steps = static_cast<double>(move.area.poses() - before - 1);
+    for (std::size_t i = before; i < move.area.poses(); ++i)
+      move.driven_m.push_back(move.length_m + (to_m - from_m) * static_cast<double>(i - before) / steps);
+    move.length_m += to_m - from_m;
+    move.sections_m.push_back(to_m - from_m);
+  };
   zone::TrackPosition at = states_[move.from];
   for (const zone::SectionId section : move.sections) {
-    area.add_drive(circuit, at.section, at.s_m, end_m(at.section));
-    area.add_turn(circuit.pose_at({at.section, end_m(at.section)}), circuit.turn_at(at.section, section));
+    add_drive(at.section, at.s_m, end_m(at.section));
+    move.area.add_turn(circuit.pose_at({at.section, end_m(at.section)}), circuit.turn_at(at.section, section));
+    move.driven_m.resize(move.area.poses(), move.length_m);
     at = {section, 0.0};
   }
-  area.add_drive(circuit, at.section, at.s_m, states_[move.to].s_m);
-  return area;
+  add_drive(at.section, at.s_m, states_[move.to].s_m);
+}
+
+void TrackFloor::Builder::find_clear(const Floor& floor) {
+  std::vector<std::vector<StateId>> states(floor.cells());
+  std::vector<std::vector<std::uint32_t>> moves(floor.cells());
+  for (StateId state = 0; state < floor.states(); ++state)
+    for (const CellId cell : floor.footprint(state)) states[cell].push_back(state);
+  for (std::uint32_t i = 0; i < moves_.size(); ++i)
+    for (const CellId cell : cells_of(floor, moves_[i].from, moves_[i].to)) moves[cell].push_back(i);
+  for (Move& move : moves_) {
+    auto rest = cells_of(floor, move.to, move.to);
+    const auto sweep = floor.sweep_between(move.from, move.to);
+    rest.insert(rest.end(), sweep.begin(), sweep.end());
+    std::ranges::sort(rest);
+    const auto needs_rest = [&](std::span<const CellId> cells) {
+      return std::ranges::any_of(cells, [&](CellId cell) { return std::ranges::binary_search(rest, cell); });
+    };
+    // Of what needs a cell that is left, and none of the rest: the last pose of the move at which bodies could touch.
+    std::size_t clear = 0;
+    const auto consider = [&](std::span<const CellId> cells, const SweptArea& area) {
+      if (needs_rest(cells)) return;
+      if (const auto last = move.area.last_touching(area)) clear = std::max(clear, *last + 1);
+    };
+    for (const CellId cell : floor.footprint(move.from)) {
+      if (std::ranges::binary_search(rest, cell)) continue;
+      for (const StateId state : states[cell]) consider(floor.footprint(state), areas_[state]);
+      for (const std::uint32_t i : moves[cell]) consider(cells_of(floor, moves_[i].from, moves_[i].to), moves_[i].area);
+    }
+    move.clear_m = clear < move.driven_m.size() ? move.driven_m[clear] : move.length_m;
+  }
 }
 
 /// For each state the first one at the same point, whose number is the point's cell.
@@ -150,10 +197,14 @@ std::vector<StateId> TrackFloor::Builder::find_points() const {
 }
 
 void TrackFloor::Builder::find_cells() {
-  std::vector<SweptArea> areas;
-  for (const zone::TrackPosition& at : states_)
-    areas.emplace_back(zone_.vehicle, margin_m()).add_pose(zone_.circuit.pose_at(at));
-  for (const Move& move : moves_) areas.push_back(area_of(move));
+  for (const zone::TrackPosition& at : states_) {
+    areas_.push_back(empty_area());
+    areas_.back().add_pose(zone_.circuit.pose_at(at));
+  }
+  for (Move& move : moves_) drive(move);
+  std::vector<const SweptArea*> areas;
+  for (const SweptArea& area : areas_) areas.push_back(&area);
+  for (const Move& move : moves_) areas.push_back(&move.area);
   const auto point_of = find_points();
   for (const StateId point : point_of) description_.states.push_back({{point}, {}});
   description_.cells = static_cast<CellId>(states_.size());
@@ -236,8 +287,10 @@ TrackFloor TrackFloor::Builder::build() {
   for (const zone::Waypoint& waypoint : zone_.waypoints) add(waypoint.id, waypoint.position);
   auto floor = Floor::make(description_);
   COSIVA_EXPECT(floor.has_value());
-  TrackFloor made{*std::move(floor)};
+  find_clear(*floor);
+  TrackFloor made{*std::move(floor), zone_.vehicle, margin_m()};
   made.states_ = std::move(states_);
+  made.areas_ = std::move(areas_);
   made.moves_.resize(made.states_.size());
   for (Move& move : moves_) made.moves_[move.from].push_back(std::move(move));
   made.goals_ = std::move(goals);
@@ -247,14 +300,54 @@ TrackFloor TrackFloor::Builder::build() {
 
 // --- the finished floor ---------------------------------------------------------------------------------------------
 
-TrackFloor TrackFloor::make(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed) {
-  return Builder{zone, closed}.build();
+TrackFloor TrackFloor::make(const zone::TrafficZone& zone) { return Builder{zone}.build(); }
+
+const TrackFloor::Move& TrackFloor::move(StateId from, StateId to) const {
+  const auto move = std::ranges::find(moves_[from], to, &Move::to);
+  COSIVA_EXPECT(move != moves_[from].end());
+  return *move;
 }
 
 std::span<const zone::SectionId> TrackFloor::sections(StateId from, StateId to) const {
-  const auto move = std::ranges::find(moves_[from], to, &Move::to);
-  COSIVA_EXPECT(move != moves_[from].end());
-  return move->sections;
+  return move(from, to).sections;
+}
+
+double TrackFloor::length_m(StateId from, StateId to) const { return move(from, to).length_m; }
+
+double TrackFloor::clear_m(StateId from, StateId to) const { return move(from, to).clear_m; }
+
+std::optional<double> TrackFloor::driven_m(StateId from, StateId to, zone::TrackPosition position) const {
+  const Move& driven = move(from, to);
+  const zone::TrackPosition begin = states_[from];
+  if (position.section == begin.section && position.s_m >= begin.s_m) return position.s_m - begin.s_m;
+  double before_m = 0.0;
+  for (std::size_t i = 0; i < driven.sections.size(); ++i) {
+    before_m += driven.sections_m[i];
+    if (driven.sections[i] == position.section) return before_m + position.s_m;
+  }
+  return std::nullopt;
+}
+
+std::vector<FloorMove> TrackFloor::moves_into(std::span<const zone::SectionId> sections) const {
+  const auto is_one = [&](zone::SectionId section) { return std::ranges::find(sections, section) != sections.end(); };
+  std::vector<FloorMove> found;
+  for (const auto& from_state : moves_)
+    for (const Move& move : from_state)
+      if (std::ranges::any_of(move.sections, is_one)) found.push_back({move.from, move.to});
+  return found;
+}
+
+Obstruction TrackFloor::obstructed(const SweptArea& area) const {
+  Obstruction found;
+  for (StateId state = 0; state < states_.size(); ++state) {
+    // The first cell of a state is its point's: no body at another point has it.
+    if (areas_[state].touches(area)) found.cells.push_back(floor_.footprint(state).front());
+    for (const Move& move : moves_[state])
+      if (move.area.touches(area)) found.moves.push_back({move.from, move.to});
+  }
+  std::ranges::sort(found.cells);
+  found.cells.erase(std::unique(found.cells.begin(), found.cells.end()), found.cells.end());
+  return found;
 }
 
 StateId TrackFloor::first_on(zone::SectionId section) const {
@@ -272,6 +365,13 @@ std::optional<StateId> TrackFloor::state_at(zone::TrackPosition position, double
     best_m = apart_m;
   }
   return best;
+}
+
+std::optional<StateId> TrackFloor::state_before(zone::TrackPosition position) const {
+  std::optional<StateId> last;
+  for (StateId state = first_on(position.section); is_on(state, position.section); ++state)
+    if (states_[state].s_m <= position.s_m) last = state;
+  return last;
 }
 
 std::optional<StateId> TrackFloor::state_after(zone::TrackPosition position,

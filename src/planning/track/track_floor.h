@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cosiva/planning/floor/floor.h"
+#include "cosiva/planning/track/swept_area.h"
 #include "cosiva/zone/layout/traffic_zone.h"
 
 namespace cosiva::planning {
@@ -23,8 +24,7 @@ namespace cosiva::planning {
 /// Invariant: the floor's states and moves are those of `states_` and `moves_`, with the same indices.
 class TrackFloor {
  public:
-  /// @param closed  sections that no move enters; a vehicle on one may leave it
-  [[nodiscard]] static TrackFloor make(const zone::TrafficZone& zone, std::span<const zone::SectionId> closed = {});
+  [[nodiscard]] static TrackFloor make(const zone::TrafficZone& zone);
 
   [[nodiscard]] const Floor& floor() const noexcept { return floor_; }
 
@@ -32,9 +32,25 @@ class TrackFloor {
   [[nodiscard]] zone::TrackPosition position(StateId state) const noexcept { return states_[state]; }
   /// Sections of a move after the one where it begins, in driving order; the last contains its end.
   [[nodiscard]] std::span<const zone::SectionId> sections(StateId from, StateId to) const;
+  /// Distance driven in a move [m].
+  [[nodiscard]] double length_m(StateId from, StateId to) const;
+  /// Distance driven in a move from which on the body is clear of its beginning [m]: no state and no move, besides
+  /// those that need a cell of the rest of this move, leads a body to where the rest of this move does. At most the
+  /// length.
+  [[nodiscard]] double clear_m(StateId from, StateId to) const;
+  /// How far a vehicle at this position has driven in the move [m]; none: it is not on the move's sections.
+  [[nodiscard]] std::optional<double> driven_m(StateId from, StateId to, zone::TrackPosition position) const;
+  /// The moves that enter one of these sections: while these are closed, a vehicle on one may only leave it.
+  [[nodiscard]] std::vector<FloorMove> moves_into(std::span<const zone::SectionId> sections) const;
+  /// What a body that is, or drives, in this area obstructs.
+  [[nodiscard]] Obstruction obstructed(const SweptArea& area) const;
+  /// An area of the zone's vehicle, with the margin that all areas of this floor have.
+  [[nodiscard]] SweptArea empty_area() const { return SweptArea{vehicle_, margin_m_}; }
   /// The state of a vehicle that is stopped at this position, within `tolerance_m` along the section; none: the
   /// position is between two waypoints.
   [[nodiscard]] std::optional<StateId> state_at(zone::TrackPosition position, double tolerance_m = 0.05) const;
+  /// The last state at or before this position on its section; none: the position precedes them.
+  [[nodiscard]] std::optional<StateId> state_before(zone::TrackPosition position) const;
   /// The first state at or after this position, along the sections that follow; none: there is none before they end.
   [[nodiscard]] std::optional<StateId> state_after(zone::TrackPosition position,
                                                    std::span<const zone::SectionId> remaining) const;
@@ -47,17 +63,27 @@ class TrackFloor {
     StateId from;
     StateId to;
     std::vector<zone::SectionId> sections;
+    double length_m{0.0};
+    double clear_m{0.0};
+    SweptArea area;
+    std::vector<double> driven_m;    // at each pose of the area
+    std::vector<double> sections_m;  // lengths of the sections, the first one's from its state on
   };
   class Builder;
 
-  explicit TrackFloor(Floor floor) : floor_{std::move(floor)} {}
+  TrackFloor(Floor floor, const zone::VehicleShape& vehicle, double margin_m)
+      : floor_{std::move(floor)}, vehicle_{vehicle}, margin_m_{margin_m} {}
+  [[nodiscard]] const Move& move(StateId from, StateId to) const;
   [[nodiscard]] StateId first_on(zone::SectionId section) const;  // the first not before that section
   [[nodiscard]] bool is_on(StateId state, zone::SectionId section) const {
     return state < states_.size() && states_[state].section == section;
   }
 
   Floor floor_;
+  zone::VehicleShape vehicle_;
+  double margin_m_;
   std::vector<zone::TrackPosition> states_;  // sorted by section, s
+  std::vector<SweptArea> areas_;             // by state
   std::vector<std::vector<Move>> moves_;     // by first state
   std::map<std::string, GoalId, std::less<>> goals_;
 };

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <utility>
 
 #include "cosiva/planning/floor/distances.h"
 #include "cosiva/zone/testing/test_zones.h"
@@ -86,13 +89,14 @@ TEST(TrackFloor, finds_the_states_of_stations_and_waypoints) {
   EXPECT_FALSE(track.goal("nowhere"));
 }
 
-TEST(TrackFloor, has_no_move_into_a_closed_section) {
-  const auto zone = read_zone(lane);
-  ASSERT_TRUE(zone);
+TEST(TrackFloor, finds_the_moves_into_closed_sections) {
+  const TrackFloor track = floor_of(lane);
   const zone::SectionId back[] = {1};
-  const TrackFloor track = TrackFloor::make(*zone, back);
-  EXPECT_TRUE(track.floor().successors(1).empty());
-  EXPECT_THAT(track.floor().successors(3), testing::ElementsAre(1));
+  const auto closed = track.moves_into(back);
+  ASSERT_FALSE(closed.empty());
+  const Floor open = track.floor().without({{}, closed});
+  EXPECT_TRUE(open.successors(1).empty()) << "a vehicle at the end of the lane cannot turn back";
+  EXPECT_THAT(open.successors(3), testing::ElementsAre(1)) << "a vehicle on the closed section may leave it";
 }
 
 /// An independent test of two rectangles: points of one that lie in the other, at most 2 cm apart.
@@ -243,6 +247,73 @@ std::string name_of(const testing::TestParamInfo<const char*>& info) {
 INSTANTIATE_TEST_SUITE_P(TrackFloor, ShippedZones,
                          testing::Values("lacet4.toml", "indus8.toml", "../src/planning/testdata/warehouse12.toml"),
                          name_of);
+
+TEST(TrackFloor, measures_its_moves) {
+  const TrackFloor track = floor_of(lane);
+  EXPECT_DOUBLE_EQ(track.length_m(0, 1), 4.0);
+  EXPECT_DOUBLE_EQ(track.length_m(1, 3), 4.0);
+  EXPECT_EQ(track.driven_m(0, 1, {0, 1.5}), 1.5);
+  EXPECT_EQ(track.driven_m(1, 3, {0, 4.0}), 0.0) << "before it has turned";
+  EXPECT_EQ(track.driven_m(1, 3, {1, 1.5}), 1.5);
+  EXPECT_EQ(track.driven_m(0, 1, {1, 1.5}), std::nullopt);
+  EXPECT_EQ(track.state_before({0, 2.0}), 0U);
+  EXPECT_EQ(track.state_before({1, 3.9}), 2U);
+}
+
+TEST(TrackFloor, is_obstructed_by_a_body_on_the_track_and_not_by_one_off_it) {
+  const TrackFloor track = floor_of(lane);
+  const auto by = [&](const Pose2& X_MB) {
+    SweptArea area = track.empty_area();
+    area.add_pose(X_MB);
+    return track.obstructed(area);
+  };
+  const Obstruction between = by({2.0, 0.0, 0.0});
+  EXPECT_THAT(between.cells, testing::IsEmpty()) << "no state is within 1.2 m, a body's length";
+  EXPECT_THAT(between.moves, testing::ElementsAre(FloorMove{0, 1}, FloorMove{1, 3}, FloorMove{2, 3}, FloorMove{3, 1}));
+  EXPECT_EQ(by({0.5, 0.0, 0.0}).cells.size(), 1U);
+  EXPECT_EQ(by({2.0, 1.2, 0.0}), Obstruction{});
+}
+
+/// Four two-way tracks from one node: section 2·i leads outwards, to the east, north, west and south,
+/// section 2·i + 1 back.
+TrackFloor star(int pitch_m) {
+  std::string text = R"(name = "star"
+format_version = 1
+[vehicle]
+length_m = 1.2
+width_m = 0.8
+[waypoints]
+nodes_only = true
+)";
+  const std::array<std::string, 4> ends{"east", "north", "west", "south"};
+  const std::array<std::pair<int, int>, 4> directions{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+  const std::string all = R"("to_east", "to_north", "to_west", "to_south")";
+  const auto add = [&](const std::string& name, int x, int y, int heading, const std::string& node,
+                       const std::string& next) {
+    text += "[[section]]\nname = \"" + name;
+    text += "\"\nkind = \"straight\"\npivots = true\nlength_m = " + std::to_string(pitch_m);
+    text += "\nstart = { x = " + std::to_string(x) + ", y = " + std::to_string(y);
+    text += ", heading_deg = " + std::to_string(heading % 360) + " }\nstart_node = \"" + node;
+    text += "\"\nnext = [" + next + "]\n";
+  };
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto [x, y] = directions[i];
+    const int heading = 90 * static_cast<int>(i);
+    add("to_" + ends[i], 0, 0, heading, "centre", "\"from_" + ends[i] + "\"");
+    add("from_" + ends[i], x * pitch_m, y * pitch_m, heading + 180, ends[i], all);
+  }
+  return floor_of(text.c_str());
+}
+
+TEST(TrackFloor, is_clear_of_a_node_when_no_body_that_turns_there_touches_the_rest_of_the_move) {
+  const TrackFloor track = star(3);
+  const auto to_east = *track.state_at({0, 3.0});
+  const auto from_north = *track.state_at({3, 3.0});
+  // Half a diagonal of 0.72 m at the node and half a length of 0.6 m, and the clearances of both bodies.
+  const double clear_m = track.clear_m(from_north, to_east);
+  EXPECT_GE(clear_m, 0.72 + 0.6);
+  EXPECT_LE(clear_m, 0.72 + 0.6 + 0.6) << "poses are half a width apart";
+}
 
 }  // namespace
 }  // namespace cosiva::planning

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
@@ -211,5 +212,7 @@ void JointStep::undo(std::size_t changes, std::size_t decisions) {
   for (std::size_t i = decisions_.size(); i-- > decisions;) permissions_[decisions_[i]].decided = 0;
   decisions_.resize(decisions);
 }
+
+void JointStep::archive(Archive& archive) { archive(reservations_, rounds_, expansions_); }
 
 }  // namespace cosiva::planning

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/planning/window/itinerary.h"
 #include "cosiva/planning/window/reservations.h"
 
@@ -44,6 +45,7 @@ class JointStep {
   [[nodiscard]] StateId next(Vehicle vehicle) const noexcept { return reservations_.path(vehicle)[1]; }
   /// Candidates examined since the object was made.
   [[nodiscard]] std::uint64_t expansions() const noexcept { return expansions_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   struct Candidate {

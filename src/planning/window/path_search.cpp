@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
@@ -98,5 +99,7 @@ void PathSearch::expand(std::uint32_t index, Vehicle vehicle, const Itinerary& i
 void PathSearch::trace(std::uint32_t index, std::span<StateId> path) const {
   for (; index != no_node; index = nodes_[index].parent) path[nodes_[index].step] = nodes_[index].state;
 }
+
+void PathSearch::archive(Archive& archive) { archive(expansions_); }
 
 }  // namespace cosiva::planning

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/planning/window/itinerary.h"
 #include "cosiva/planning/window/reservations.h"
 
@@ -27,6 +28,7 @@ class PathSearch {
 
   /// Nodes examined since the search was made.
   [[nodiscard]] std::uint64_t expansions() const noexcept { return expansions_; }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   static constexpr std::uint32_t legs_max = 4;  // of one window; later ones count by their distance alone

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
@@ -139,6 +140,17 @@ void Reservations::conflicts(Vehicle vehicle, std::span<const StateId> path, std
     };
     if (!each_conflict(vehicle, path[step - 1], path[step], step, add)) return;
   }
+}
+
+void Reservations::archive(Archive& archive) {
+  auto present = present_;
+  auto has_path = has_path_;
+  auto paths = paths_;
+  archive(present, has_path, paths);
+  if (!archive.reads() || archive.failed()) return;
+  begin(present);
+  for (Vehicle vehicle = 0; vehicle < present.size(); ++vehicle)
+    if (has_path[vehicle] != 0) add(vehicle, std::span{paths}.subspan(std::size_t{vehicle} * length(), length()));
 }
 
 }  // namespace cosiva::planning

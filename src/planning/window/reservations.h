@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/planning/floor/floor.h"
 
 namespace cosiva::planning {
@@ -59,6 +60,7 @@ class Reservations {
   /// Vehicles with a path that this path contradicts, each once, appended to `found`; ends early when there are more
   /// than `limit`.
   void conflicts(Vehicle vehicle, std::span<const StateId> path, std::size_t limit, std::vector<Conflict>& found) const;
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] std::size_t length() const noexcept { return horizon_ + std::size_t{1}; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
@@ -182,6 +183,11 @@ bool WindowPlanner::improve_group() {
   for (std::size_t i = 0; i < added; ++i) reservations_.remove(group_[i]);
   for (std::size_t i = 0; i < group_.size(); ++i) reservations_.add(group_[i], old_paths_[i]);
   return false;
+}
+
+void WindowPlanner::archive(Archive& archive) {
+  archive(random_, reservations_, joint_, search_, fleet_);
+  if (archive.reads()) accept(std::vector<Traveller>{fleet_});
 }
 
 }  // namespace cosiva::planning

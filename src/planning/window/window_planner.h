@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "cosiva/base/archive_fwd.h"
 #include "cosiva/base/random.h"
 #include "cosiva/planning/window/itinerary.h"
 #include "cosiva/planning/window/joint_step.h"
@@ -58,6 +59,7 @@ class WindowPlanner {
   [[nodiscard]] bool complete(Vehicle vehicle) const noexcept { return itineraries_[vehicle].complete(); }
   /// Nodes and candidates examined since the planner was made.
   [[nodiscard]] std::uint64_t expansions() const noexcept { return search_.expansions() + joint_.expansions(); }
+  void archive(Archive& archive);  ///< the state, for a snapshot
 
  private:
   [[nodiscard]] bool goes_on(std::span<const Traveller> fleet) const;

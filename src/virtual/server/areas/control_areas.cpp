@@ -109,7 +109,7 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   const std::string name{to.substr(0, to.find('/'))};
   const std::string goal{to.substr(std::min(to.size(), name.size() + 1))};
   if (name == own_) {
-    if (missions.known({Mission::Kind::go, goal, {}})) return Mission{Mission::Kind::go, goal, {}};
+    if (is_known(*missions.map(), {Mission::Kind::go, goal, {}})) return Mission{Mission::Kind::go, goal, {}};
     return fail("mission.to", "there is no station or waypoint '" + cut(goal) + "' in this control area", "to");
   }
   const auto area = areas_.find(name);
@@ -132,7 +132,7 @@ Result<Mission> ControlAreas::route_to(std::string_view to, const zone::TrafficZ
   const zone::Station* best = nullptr;
   double best_m = std::numeric_limits<double>::infinity();
   for (const zone::Station& station : zone.stations) {
-    if (!missions.known({Mission::Kind::go, station.name, {}})) continue;
+    if (!is_known(*missions.map(), {Mission::Kind::go, station.name, {}})) continue;
     const auto entry_point = zone::snap_to_path(there.circuit, zone.circuit.pose_at(station.position));
     if (!entry_point || entry_point->distance_m >= best_m || !router.plan(entry_point->position, *end)) continue;
     best = &station;

@@ -8,7 +8,7 @@
 #include "cosiva/virtual/server/missions/mission_requests.h"
 #include "cosiva/virtual/server/missions/missions.h"
 #include "cosiva/virtual/server/missions/persisted_missions.h"
-#include "cosiva/virtual/server/orders/deadlocks.h"
+#include "cosiva/virtual/server/deadlocks/deadlocks.h"
 #include "cosiva/virtual/server/orders/order_manager.h"
 #include "cosiva/virtual/server/right_of_way/traffic.h"
 #include "cosiva/virtual/server/zones/map_deployment.h"

@@ -124,7 +124,7 @@ void Ownership::take_over(ControlAreas::Vehicle& vehicle, bool retained) {
 
 void Ownership::give_mission(VehicleIndex vehicle, const wire::Owner::Mission& handed_on) {
   const Mission mission{handed_on.kind == "go" ? Mission::Kind::go : Mission::Kind::circulate, handed_on.name, {}};
-  if (master_.missions.mission(vehicle) == Mission{} && zones_.map() && master_.missions.known(mission))
+  if (master_.missions.mission(vehicle) == Mission{} && zones_.map() && is_known(*zones_.map(), mission))
     master_.missions.give(vehicle, mission);
 }
 

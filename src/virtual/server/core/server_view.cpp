@@ -181,6 +181,7 @@ std::string ServerView::summary_json() const {
       .field("resent", master_.orders.counters().repeated)
       .field("longest_wait_s", to_seconds(master_.orders.longest_wait()))
       .end_object();
+  if (const PlannedRoutes* const planned = master_.orders.planned()) planned->route_waits().write(json.key("routes"));
   master_.deadlocks.write_counters(json.key("deadlocks").begin_object());
   json.end_object();
   json.field("messages_refused", context_.messages_refused).field("traces", context_.traces.next() - 1).end_object();

@@ -40,4 +40,9 @@ const zone::Loop* loop_of(const WaypointGraph& map, const Mission& mission) {
   return map.zone().find_loop(mission.name);
 }
 
+bool is_known(const WaypointGraph& map, const Mission& mission) {
+  if (mission.kind == Mission::Kind::go) return !goals_of(map, mission.name).empty();
+  return mission.name.empty() || map.zone().find_loop(mission.name) != nullptr;
+}
+
 }  // namespace cosiva::virtual_side

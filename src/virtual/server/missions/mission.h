@@ -29,6 +29,8 @@ inline constexpr std::size_t mission_name_bytes_max = 200;
 
 /// All waypoints at the station or waypoint of that name; empty: there is none.
 [[nodiscard]] std::vector<WaypointIndex> goals_of(const WaypointGraph& map, std::string_view name);
+/// The zone has the mission's loop or goal.
+[[nodiscard]] bool is_known(const WaypointGraph& map, const Mission& mission);
 /// The loop of a mission to circulate; null: the zone has no such loop.
 [[nodiscard]] const zone::Loop* loop_of(const WaypointGraph& map, const Mission& mission);
 

@@ -25,7 +25,7 @@ void Missions::set_map(const WaypointGraph* map, std::optional<std::vector<zone:
   closed_.configure(map_->zone().closed);
   for (VehicleIndex v = 0; v < entries_.size(); ++v) {
     Mission& mission = entries_[v].mission;
-    if (known(mission)) continue;
+    if (is_known(*map_, mission)) continue;
     publisher_.log('w',
                    registry_[v].name() + ": this zone has no '" + mission.name + "'; it follows its default mission");
     mission = {};
@@ -51,11 +51,6 @@ void Missions::Entry::stop(const Error& error) {
   state = State::no_route;
   why = error.message;
   complete = true;
-}
-
-bool Missions::known(const Mission& mission) const {
-  if (mission.kind == Mission::Kind::go) return !goals_of(*map_, mission.name).empty();
-  return mission.name.empty() || map_->zone().find_loop(mission.name) != nullptr;
 }
 
 bool Missions::has_detour(VehicleIndex vehicle, zone::TrackPosition from, Sections around) const {
@@ -167,6 +162,19 @@ bool Missions::is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m) {
   publisher_.log('i', registry_[vehicle].name() + ": arrived at " + entry.mission.name +
                           (entry.mission.beyond.empty() ? "" : ", continuing to " + entry.mission.beyond));
   return true;
+}
+
+void Missions::set_no_route(VehicleIndex vehicle, const std::optional<std::string>& why) {
+  Entry& entry = entries_[vehicle];
+  if (!why) {
+    if (entry.state != State::no_route) return;
+    entry.state = State::driving;
+    entry.why.clear();
+    entry.complete = false;
+  } else if (entry.state != State::no_route || entry.why != *why) {
+    entry.stop({"route.none", *why, ""});
+    publisher_.log('w', registry_[vehicle].name() + ": no route: " + entry.why);
+  }
 }
 
 void Missions::give(VehicleIndex vehicle, Mission mission) {

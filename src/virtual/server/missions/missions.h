@@ -47,8 +47,6 @@ class Missions {
   /// Closes these sections and opens all others. A zone is in force.
   void set_closed(std::vector<zone::SectionId> sections);
   [[nodiscard]] const ClosedSections& closed() const { return closed_; }
-  /// The zone has the mission's loop or goal.
-  [[nodiscard]] bool known(const Mission& mission) const;
 
   /// Increases with every change after which a vehicle's route has to be planned again.
   [[nodiscard]] std::uint64_t revision(VehicleIndex vehicle) const { return entries_[vehicle].revision + revision_; }
@@ -73,6 +71,9 @@ class Missions {
   /// The vehicle is stopped at `p` without an order. True: `p` is the goal, or at most `off_m` from the goal; the
   /// vehicle has arrived and stays.
   bool is_stopped_at(VehicleIndex vehicle, Point2 p, double off_m);
+
+  /// For a vehicle whose route another part plans: why there is none at present; nothing: there is one.
+  void set_no_route(VehicleIndex vehicle, const std::optional<std::string>& why);
 
   [[nodiscard]] const Mission& mission(VehicleIndex vehicle) const { return entries_[vehicle].mission; }
   [[nodiscard]] State state(VehicleIndex vehicle) const { return entries_[vehicle].state; }

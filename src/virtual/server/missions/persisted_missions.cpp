@@ -68,7 +68,8 @@ void PersistedMissions::restore(const JsonValue& memory) {
 void PersistedMissions::registered(VehicleIndex vehicle) {
   const auto found = std::ranges::find(missions_left_, registry_[vehicle].name(), &Persisted::vehicle);
   if (found == missions_left_.end()) return;
-  if (missions_.map() == nullptr || missions_.known(found->mission)) missions_.restore(vehicle, found->mission);
+  if (missions_.map() == nullptr || is_known(*missions_.map(), found->mission))
+    missions_.restore(vehicle, found->mission);
   missions_left_.erase(found);
 }
 

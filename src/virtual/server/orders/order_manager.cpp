@@ -15,6 +15,7 @@ void OrderManager::set_map(const WaypointGraph* map) {
     // An order on the old zone is not valid on the new one.
     sessions_[v].leave_zone();
   }
+  planned_.set_map(map);
 }
 
 void OrderManager::resize(std::size_t vehicles) {
@@ -25,6 +26,7 @@ void OrderManager::resize(std::size_t vehicles) {
   analysis_.resize(vehicles);
   planner_.resize(vehicles);
   yielding_.resize(vehicles);
+  planned_.resize(vehicles);
   COSIVA_EXPECT(sessions_.size() == positions_.size());
 }
 
@@ -36,6 +38,7 @@ void OrderManager::forget(VehicleIndex vehicle) {
   analysis_.forget(vehicle);
   planner_.forget(vehicle);
   yielding_.forget(vehicle);
+  planned_.forget(vehicle);
 }
 
 void OrderManager::on_state(VehicleIndex vehicle, const wire::State* before) {
@@ -48,6 +51,7 @@ void OrderManager::on_state(VehicleIndex vehicle, const wire::State* before) {
 
 void OrderManager::adopt(VehicleIndex vehicle, const wire::State& state) {
   OrderSession& session = sessions_[vehicle];
+  planned_.forget(vehicle);  // the order leads where the plan does not know
   if (session.can_take_over(state))
     session.take_over(state, planner_.adopt_course(vehicle, state));
   else
@@ -65,6 +69,7 @@ void OrderManager::tick(bool drive, bool send_off, SimDuration lost_after) {
   context_.lost_after = lost_after;
   context_.traffic.update();
   joins_.find_neighbours();
+  if (drive && planned_.in_force()) planned_.update();
   for (VehicleIndex v = 0; v < sessions_.size(); ++v) {
     context_.traffic.update();
     step(v, drive, send_off);
@@ -94,11 +99,12 @@ void OrderManager::step(VehicleIndex vehicle, bool drive, bool send_off) {
   }
   if (session.is_running() && now - session.sent_at() < context_.rules.update_period) return;
   if (joins_.continue_joining(vehicle)) return;
-  const std::optional<BaseExtension> extension = follower_.extend(vehicle);
+  const std::optional<BaseExtension> extension =
+      planned_.in_force() ? planned_.extend(vehicle) : follower_.extend(vehicle);
   if (extension) ++(session.send(*extension) ? counters_.orders : counters_.updates);
   if (session.stage() == OrderSession::Stage::none) follower_.keep_off_path(vehicle);
   records_.record(vehicle, !extension || extension->base.empty(), now);
-  if (session.stage() == OrderSession::Stage::none) joins_.try_other_positions(vehicle);
+  if (session.stage() == OrderSession::Stage::none && !planned_.in_force()) joins_.try_other_positions(vehicle);
 }
 
 bool OrderManager::stays(VehicleIndex vehicle, bool drive, bool send_off) {
@@ -107,7 +113,8 @@ bool OrderManager::stays(VehicleIndex vehicle, bool drive, bool send_off) {
   const AivProxy& proxy = context_.registry[vehicle];
   const bool idle = session.stage() == Stage::none;
   const bool busy_elsewhere = idle && proxy.state() && !proxy.state()->node_states.empty();
-  const bool stays_there = idle && (!send_off || planner_.stays_at_goal(vehicle));
+  // By plan, a vehicle at its goal makes room for others.
+  const bool stays_there = idle && (!send_off || (!planned_.in_force() && planner_.stays_at_goal(vehicle)));
   // The vehicle's yielding continues in each tick, whatever else keeps the vehicle from driving.
   const bool keeps_still = yielding_.continue_yielding(vehicle);
   return !drive || session.stage() == Stage::cancelling || busy_elsewhere || stays_there || keeps_still ||
@@ -128,7 +135,7 @@ void OrderManager::archive(Archive& archive) {
   const std::size_t vehicles = archive.count(sessions_.size());
   if (archive.reads()) resize(vehicles);
   for (OrderSession& session : sessions_) archive(session);
-  archive(context_.lost_after, positions_, records_, joins_, analysis_, planner_, yielding_, counters_);
+  archive(context_.lost_after, positions_, records_, joins_, analysis_, planner_, yielding_, counters_, planned_);
 }
 
 }  // namespace cosiva::virtual_side

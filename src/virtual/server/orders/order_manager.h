@@ -17,6 +17,7 @@
 #include "cosiva/virtual/server/orders/order_context.h"
 #include "cosiva/virtual/server/orders/order_session.h"
 #include "cosiva/virtual/server/orders/path_positions.h"
+#include "cosiva/virtual/server/orders/planned_routes.h"
 #include "cosiva/virtual/server/orders/route_follower.h"
 #include "cosiva/virtual/server/orders/wait_analysis.h"
 #include "cosiva/virtual/server/orders/wait_graph.h"
@@ -31,7 +32,8 @@ namespace cosiva::virtual_side {
 
 /// Extends orders along each vehicle's mission: in each tick RouteFollower grants every vehicle the base that traffic
 /// permits, and the vehicle's OrderSession sends it. The other parts bring off-path vehicles onto the path (LineJoin),
-/// plan courses (CoursePlanner), find which vehicle waits for which (WaitAnalysis) and resolve deadlocks (Yielding).
+/// plan courses (CoursePlanner), find which vehicle waits for which (WaitAnalysis) and resolve deadlocks (Yielding). On
+/// zones with two-way tracks PlannedRoutes grants the bases, by a plan of the whole fleet.
 ///
 /// Invariant: every part knows the same vehicles, and has one session for each.
 class OrderManager {
@@ -68,10 +70,14 @@ class OrderManager {
   /// The longest wait so far.
   [[nodiscard]] SimDuration longest_wait() const { return records_.longest(); }
 
+  /// Bases follow from a plan of the whole fleet, on a zone with tracks that are driven both ways; null: they do not.
+  [[nodiscard]] const PlannedRoutes* planned() const { return planned_.in_force() ? &planned_ : nullptr; }
+
   /// The cost of yielding so that `waits`, all of which are for this vehicle, end: the distance to back up [m], 0 for
   /// all other means. Nothing: the vehicle cannot yield by `means`.
   [[nodiscard]] std::optional<double> can_yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) const {
-    return yielding_.can_yield(vehicle, means, waits);
+    // By plan, no vehicle has to yield, and none leaves the cells that it has been granted.
+    return planned_.in_force() ? std::nullopt : yielding_.can_yield(vehicle, means, waits);
   }
   /// False: the means could not be applied.
   bool yield(VehicleIndex vehicle, Means means, std::span<const Wait> waits) {
@@ -108,6 +114,7 @@ class OrderManager {
   CoursePlanner planner_{context_, sessions_, positions_};
   Yielding yielding_{context_, sessions_, positions_, joins_, records_};
   RouteFollower follower_{context_, sessions_, positions_, records_, joins_, planner_, yielding_};
+  PlannedRoutes planned_{context_, sessions_, positions_, follower_, records_};
   Counters counters_;
 };
 

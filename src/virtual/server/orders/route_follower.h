@@ -36,6 +36,8 @@ class RouteFollower {
   [[nodiscard]] bool may_extend(VehicleIndex vehicle) const;
   /// What is to be sent to the vehicle now; nothing: no message is needed, or possible. Valid until the next call.
   [[nodiscard]] std::optional<BaseExtension> extend(VehicleIndex vehicle);
+  /// An off-path vehicle is to join the path at the nearest position. False: another vehicle obstructs the join.
+  [[nodiscard]] bool go_to_entry_point(VehicleIndex vehicle);
   /// The vehicle got no order, and stays where its body is.
   void keep_off_path(VehicleIndex vehicle);
 
@@ -52,7 +54,6 @@ class RouteFollower {
   };
   [[nodiscard]] std::optional<Start> end_of_base(VehicleIndex vehicle);
   [[nodiscard]] std::optional<Start> first_node(VehicleIndex vehicle);
-  [[nodiscard]] bool go_to_entry_point(VehicleIndex vehicle);
   void extend_from(VehicleIndex vehicle, const Start& from);
   void announce(VehicleIndex vehicle, const Start& from);
   [[nodiscard]] bool leads_too_far(VehicleIndex vehicle);

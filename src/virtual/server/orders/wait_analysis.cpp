@@ -135,6 +135,7 @@ std::string WaitAnalysis::sentence(const Wait& wait) const {
     case WaitReason::turn: return waiter + " waits for its turn at " + crossing + " after " + blocker;
     case WaitReason::off_path: return waiter + " waits for " + blocker + ", which is too close to its path";
     case WaitReason::sensors: return waiter + " detects " + blocker + " in its path";
+    case WaitReason::plan: return waiter + " waits until " + blocker + " has passed";
   }
   return {};
 }

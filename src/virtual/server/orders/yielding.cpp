@@ -62,7 +62,8 @@ bool Yielding::keeps_off(const Wait& wait, zone::TrackPosition track_position) c
   const Pose2 X_MV =
       positions_.is_off_path(wait.blocker) ? positions_.body(wait.blocker) : circuit.pose_at(track_position);
   switch (wait.why) {
-    case WaitReason::turn: return false;
+    case WaitReason::turn:
+    case WaitReason::plan: return false;
     case WaitReason::ahead: return true;
     case WaitReason::crossing: {
       std::vector<CrossingIndex> occupied_crossings;

@@ -21,6 +21,7 @@ enum class WaitReason : std::uint8_t {
   turn,      ///< the other vehicle requested a crossing earlier, or has the higher priority
   off_path,  ///< the other vehicle's body, or its path onto the circuit, would be too close
   sensors,   ///< the vehicle's own obstacle sensor stops it in front of the other
+  plan,      ///< by the plan of the fleet, the other vehicle passes first
 };
 
 /// Distances that keep vehicles apart; all are between the vehicles' body origins, in addition to one vehicle length.

@@ -1,4 +1,4 @@
-#include "cosiva/virtual/server/orders/deadlocks.h"
+#include "cosiva/virtual/server/deadlocks/deadlocks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
