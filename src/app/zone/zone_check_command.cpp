@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/opened_zone.h"
 #include "cosiva/app/zone/zone_arguments.h"
 #include "cosiva/app/zone/zone_report.h"
 #include "cosiva/zone/check/check.h"
@@ -150,7 +150,7 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, c
 /// Lists every fault of an unusable zone, not only the first.
 int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   std::vector<Error> faults;
-  if (const auto configuration = load_zone(arguments.zone, arguments.sidecar)) faults = zone::faults(*configuration);
+  if (const auto configuration = load_zone(arguments)) faults = zone::faults(*configuration);
   if (faults.empty()) faults.push_back(first);
   for (const Error& fault : faults) report_error(fault);
   if (!arguments.json) return exit_bad_input;
@@ -170,7 +170,7 @@ int refuse_zone(const ZoneArguments& arguments, const Error& first) {
 }  // namespace
 
 int run_zone_check(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
+  const auto rtm = open_zone(arguments);
   if (!rtm) return refuse_zone(arguments, rtm.error());
   const Stretches stretches = stretches_of(rtm->zone());
   const Findings findings{rtm->zone()};

@@ -194,6 +194,31 @@ TEST(ZoneConvert, writes_the_same_geometry_in_another_format_with_a_sidecar) {
   EXPECT_EQ(after->number("tags"), before->number("tags")) << "the sidecar file is read automatically";
 }
 
+TEST(ZoneConvert, makes_a_zone_of_a_map_of_squares_with_the_requested_pitch) {
+  Scratch scratch;
+  const std::string map = scratch.write("small.map", "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n");
+  const CommandOutput output = cosiva({"zone", "convert", map, scratch / "small.toml", "--pitch", "2.5", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto made = JsonValue::parse(output.data);
+  EXPECT_EQ(made->number("sections"), 8.0);
+  EXPECT_EQ(made->number("length_m"), 20.0);
+  const auto checked = JsonValue::parse(cosiva({"zone", "check", scratch / "small.toml", "--json"}).data);
+  EXPECT_EQ(checked->number("length_m"), 20.0);
+  EXPECT_EQ(JsonValue::parse(cosiva({"zone", "check", map, "--json"}).data)->number("length_m"), 8.0);
+}
+
+TEST(ZoneConvert, names_line_and_column_of_a_map_s_fault_and_formats_without_a_pitch) {
+  Scratch scratch;
+  const std::string map = scratch.write("bad.map", "type octile\nheight 2\nwidth 3\nmap\n...\n.x.\n");
+  const CommandOutput bad = cosiva({"zone", "convert", map, scratch / "bad.toml"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_THAT(bad.standard_error, HasSubstr("bad.map: line 6, column 2: "));
+  const CommandOutput other = cosiva({"zone", "check", zones + "lacet4.toml", "--pitch", "2"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.standard_error, HasSubstr("(.map) has a pitch"));
+  EXPECT_EQ(cosiva({"zone", "check", map, "--pitch", "0"}).status, 2);
+}
+
 TEST(ZoneConvert, refuses_read_only_formats_and_unknown_endings) {
   Scratch scratch;
   EXPECT_EQ(cosiva({"zone", "convert", zones + "lacet4.toml", scratch / "a.xodr"}).status, 2);

@@ -4,6 +4,7 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/zone/lif/lif_factory.h"
+#include "cosiva/zone/movingai/movingai_factory.h"
 #include "cosiva/zone/opendrive/opendrive_factory.h"
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
@@ -13,11 +14,12 @@ namespace cosiva::zone {
 
 namespace {
 
-const std::array<const CircuitFactory*, 3>& factories() {
+const std::array<const CircuitFactory*, 4>& factories() {
   static const TomlCircuitFactory toml;
   static const LifCircuitFactory lif;
   static const OpenDriveCircuitFactory open_drive;
-  static const std::array<const CircuitFactory*, 3> all{&toml, &lif, &open_drive};
+  static const MovingAiCircuitFactory moving_ai;
+  static const std::array<const CircuitFactory*, 4> all{&toml, &lif, &open_drive, &moving_ai};
   return all;
 }
 
@@ -82,6 +84,17 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
 
 Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configuration, TravelDirection direction) {
   return with_travel_direction(configuration, direction);
+}
+
+Result<ZoneConfiguration> with_pitch(const ZoneConfiguration& configuration, double pitch_m) {
+  const MovingAiCircuitFactory squares;
+  if (configuration.format != squares.format())
+    return fail("zone.format",
+                "only a map of squares (" + joined(squares.file_endings()) +
+                    ") has a pitch; the sidecar file's [import] scale "
+                    "resizes any other format",
+                configuration.origin);
+  return with_import_scale(configuration, pitch_m);
 }
 
 std::uint64_t Rtm::initialised_count() { return initialised; }

@@ -20,4 +20,9 @@ namespace cosiva::zone {
 [[nodiscard]] Result<ZoneConfiguration> with_travel_direction(const ZoneConfiguration& configuration,
                                                               TravelDirection direction);
 
+/// The configuration with this [import] scale in its sidecar file, which is created where there is none. Fails
+/// ("zone.syntax") where that text is no TOML.
+/// @param scale  metres per unit of the file
+[[nodiscard]] Result<ZoneConfiguration> with_import_scale(const ZoneConfiguration& configuration, double scale);
+
 }  // namespace cosiva::zone
