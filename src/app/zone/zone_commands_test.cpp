@@ -135,6 +135,34 @@ TEST(ZoneCheck, lists_every_fault_of_an_unusable_file) {
   EXPECT_THAT(output.standard_error, HasSubstr("'north'"));
 }
 
+TEST(ZoneCheck, names_stations_that_obstruct_others_and_layouts_that_are_well_formed) {
+  Scratch scratch;
+  const std::string corridor = scratch.write("corridor.map", "height 1\nwidth 5\nmap\nE.E.E\n");
+  const CommandOutput cut = cosiva({"zone", "check", corridor});
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_THAT(cut.data,
+              HasSubstr("a vehicle at station 'S2' cuts off station 'S3' from the others; give the station a bay"));
+  EXPECT_THAT(cut.data, Not(HasSubstr("well-formed for")));
+  const auto json = JsonValue::parse(cosiva({"zone", "check", corridor, "--json"}).data);
+  ASSERT_TRUE(json);
+  EXPECT_EQ(json->find("layout")->array()->size(), 2U);
+  EXPECT_EQ(*json->find("well_formed")->flag(), false);
+
+  const std::string bays = scratch.write("bays.map", "height 2\nwidth 5\nmap\n.....\nE@E@E\n");
+  EXPECT_THAT(cosiva({"zone", "check", bays}).data,
+              HasSubstr("well-formed for 3 vehicles: each station can be reached and left while vehicles are stopped"));
+  EXPECT_EQ(*JsonValue::parse(cosiva({"zone", "check", bays, "--json"}).data)->find("well_formed")->flag(), true);
+}
+
+TEST(ZoneCheck, names_a_station_that_can_be_entered_but_not_left) {
+  Scratch scratch;
+  const std::string file =
+      scratch.write("line.toml",
+                    "name = \"line\"\nformat_version = 1\n[[section]]\nname = \"a\"\nkind = "
+                    "\"straight\"\nlength_m = 2.0\n[[station]]\nname = \"S7\"\nsection = \"a\"\ns_m = 2\n");
+  EXPECT_THAT(cosiva({"zone", "check", file}).data, HasSubstr("station 'S7' can be entered but not left"));
+}
+
 TEST(ZoneCheck, warns_of_a_usable_zone_and_ends_with_0) {
   Scratch scratch;
   std::string text = cycle;
