@@ -116,13 +116,17 @@ void WellFormed::Search::find_groups() {
 
 void WellFormed::Search::find_others() {
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    bool another = members_[group_[i]].size() > 1 || points_[i].stations.size() > 1;
+    bool another = members_[group_[i]].size() > 1;
     if (!another) {
       const Reach::Reached& reached = reach_.from(points_[i].states);
       for (StateId state = 0; state < floor_.states() && !another; ++state)
         another = reached[state] != 0 && point_of_[state] != no_point && point_of_[state] != i;
     }
-    for (const std::size_t station : points_[i].stations) found_.stations_[station].reaches_another = another;
+    for (const std::size_t station : points_[i].stations) {
+      Finding& finding = found_.stations_[station];
+      finding.is_left = finding.is_left || another;
+      finding.reaches_another = another || points_[i].stations.size() > 1;
+    }
   }
 }
 

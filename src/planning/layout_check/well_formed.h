@@ -23,9 +23,9 @@ struct WellFormedLimits {
 class WellFormed {
  public:
   struct Finding {
-    bool is_entered{false};       ///< a move leads there
-    bool is_left{false};          ///< a vehicle that has arrived there can go on for ever
-    bool reaches_another{false};  ///< it can go on to another station
+    bool is_entered{false};  ///< a move leads there
+    bool is_left{false};     ///< a vehicle that has arrived there can go on for ever, or to another station's point
+    bool reaches_another{false};  ///< it can go on to another station, if only one at the same point
     /// Stations that cannot be reached from most others, or not left for them, while a vehicle is stopped here.
     std::vector<std::size_t> cut_off{};
   };
