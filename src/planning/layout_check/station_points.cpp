@@ -27,7 +27,7 @@ std::vector<StationPoint> station_points(const zone::TrafficZone& zone, const Tr
     for (const StateId state : point.states)
       point.cells.insert(point.cells.end(), floor.footprint(state).begin(), floor.footprint(state).end());
     std::ranges::sort(point.cells);
-    point.cells.erase(std::ranges::unique(point.cells).begin(), point.cells.end());
+    point.cells.erase(std::unique(point.cells.begin(), point.cells.end()), point.cells.end());
     points.push_back(std::move(point));
   }
   return points;

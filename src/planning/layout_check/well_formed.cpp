@@ -177,7 +177,7 @@ std::optional<std::vector<StateId>> WellFormed::Search::boundary(StateId state) 
   }
   if (!is_complete) return std::nullopt;
   std::ranges::sort(states);
-  states.erase(std::ranges::unique(states).begin(), states.end());
+  states.erase(std::unique(states.begin(), states.end()), states.end());
   return states;
 }
 
@@ -269,7 +269,7 @@ std::vector<std::uint32_t> WellFormed::Search::parts_at_first(const StrongCompon
   for (StateId state = 0; state < floor_.states(); ++state)
     if (there[state] != 0 && back[state] != 0 && reach_.is_free(state)) found.push_back(parts.component_of(state));
   std::ranges::sort(found, {}, [&](std::uint32_t part) { return std::pair{-std::ssize(parts.members(part)), part}; });
-  found.erase(std::ranges::unique(found).begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 

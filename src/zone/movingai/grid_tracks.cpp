@@ -77,7 +77,9 @@ void Layer::count_sections() {
 }
 
 Result<void> Layer::lay_section(std::uint32_t square, std::uint32_t direction) {
-  const Point2 at{pitch_m_ * (square % grid_.width), pitch_m_ * (grid_.height - 1 - square / grid_.width)};
+  const std::uint32_t column = square % grid_.width;
+  const std::uint32_t row_from_south = grid_.height - 1 - square / grid_.width;
+  const Point2 at{pitch_m_ * column, pitch_m_ * row_from_south};
   auto made = Section::make({at.x_m, at.y_m, heading_rad[direction]}, pitch_m_);
   if (!made) return tl::unexpected(made.error());
   const std::uint32_t to = neighbour(square, direction);
