@@ -75,6 +75,7 @@ TEST(LayoutProblems, name_a_station_that_can_be_entered_but_not_left) {
       "[[section]]\nname = \"a\"\nkind = \"straight\"\nlength_m = 2.0\n" +
       station("S6", "a", "1") + station("S7", "a", "2"));
   std::vector<std::string> codes;
+  codes.reserve(problems.size());
   for (const Problem& problem : problems) codes.push_back(problem.code);
   EXPECT_THAT(codes, ElementsAre("layout.no_exit", "layout.obstructed"));
   EXPECT_EQ(problems[0].severity, Problem::Severity::warning);

@@ -121,6 +121,51 @@ TEST(WellFormed, knows_a_station_that_can_be_entered_but_not_left) {
   EXPECT_EQ(found.obstructed(), 1U);
 }
 
+/// Two tracks of 1 m in a row, driven both ways; vehicles of 0.2 m turn at their ends.
+const std::string two_tracks = R"(name = "z"
+format_version = 1
+[[section]]
+name = "a"
+kind = "straight"
+length_m = 1.0
+pivots = true
+next = ["b", "a_back"]
+[[section]]
+name = "b"
+kind = "straight"
+length_m = 1.0
+start = { x = 1.0, y = 0.0, heading_deg = 0.0 }
+pivots = true
+next = ["b_back"]
+[[section]]
+name = "b_back"
+kind = "straight"
+length_m = 1.0
+start = { x = 2.0, y = 0.0, heading_deg = 180.0 }
+pivots = true
+next = ["a_back", "b"]
+[[section]]
+name = "a_back"
+kind = "straight"
+length_m = 1.0
+start = { x = 1.0, y = 0.0, heading_deg = 180.0 }
+pivots = true
+next = ["a"]
+)";
+
+TEST(WellFormed, counts_stations_that_a_body_reaches_as_cut_off) {
+  const auto station = [](const std::string& name, const std::string& section, const std::string& s_m) {
+    return "[[station]]\nname = \"" + name + "\"\nsection = \"" + section + "\"\ns_m = " + s_m + "\n";
+  };
+  const auto zone = read_zone(two_tracks + station("end", "a", "0.0") + station("near", "a", "0.1") +
+                              station("node", "b", "0.0") + station("far", "b", "1.0"));
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  const auto found = WellFormed::examine(*zone);
+  EXPECT_THAT(found.stations()[0].cut_off, ElementsAre(1)) << "0.1 m away";
+  EXPECT_THAT(found.stations()[1].cut_off, ElementsAre(0));
+  EXPECT_THAT(found.stations()[3].cut_off, IsEmpty());
+}
+
 TEST(WellFormed, leads_no_vehicle_over_a_closed_section) {
   auto zone = read_zone(spur);
   ASSERT_TRUE(zone);
