@@ -8,8 +8,9 @@ namespace cosiva::app {
 
 Result<zone::ZoneConfiguration> load_zone(const ZoneArguments& arguments) {
   auto configuration = load_zone(arguments.zone, arguments.sidecar);
-  if (!configuration || !arguments.pitch_m) return configuration;
-  return zone::with_pitch(*configuration, *arguments.pitch_m);
+  if (configuration && arguments.pitch_m) configuration = zone::with_pitch(*configuration, *arguments.pitch_m);
+  if (configuration && arguments.stations) configuration = zone::with_stations(*configuration, *arguments.stations);
+  return configuration;
 }
 
 Result<zone::Rtm> open_zone(const ZoneArguments& arguments) {

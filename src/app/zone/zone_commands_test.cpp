@@ -230,6 +230,8 @@ TEST(ZoneConvert, makes_a_zone_of_a_map_of_squares_with_the_requested_pitch) {
   const auto made = JsonValue::parse(output.data);
   EXPECT_EQ(made->number("sections"), 8.0);
   EXPECT_EQ(made->number("length_m"), 20.0);
+  const auto stations = cosiva({"zone", "convert", map, scratch / "two.toml", "--stations", "2", "--json"});
+  EXPECT_EQ(JsonValue::parse(stations.data)->number("stations"), 2.0);
   const auto checked = JsonValue::parse(cosiva({"zone", "check", scratch / "small.toml", "--json"}).data);
   EXPECT_EQ(checked->number("length_m"), 20.0);
   EXPECT_EQ(JsonValue::parse(cosiva({"zone", "check", map, "--json"}).data)->number("length_m"), 8.0);

@@ -73,6 +73,21 @@ TEST(WellFormed, holds_on_generated_floors_with_bays) {
   }
 }
 
+TEST(WellFormed, holds_on_maps_whose_stations_were_distributed) {
+  Random random{5, "distributed"};
+  for (int round = 0; round < 10; ++round) {
+    std::string text = "height 7\nwidth 8\nmap\n";
+    for (int y = 0; y < 7; ++y) {
+      for (int x = 0; x < 8; ++x) text += random.chance(0.25) ? '@' : '.';
+      text += '\n';
+    }
+    const auto rtm = zone::Rtm::initialise({"movingai", "m.map", text, "[import]\nstations = 12\n"});
+    ASSERT_TRUE(rtm) << to_string(rtm.error());
+    EXPECT_GE(rtm->zone().stations.size(), 2U) << text;
+    EXPECT_EQ(WellFormed::examine(rtm->zone()).obstructed(), std::nullopt) << text;
+  }
+}
+
 /// A circuit with a spur that ends at a station.
 const std::string spur = R"(name = "z"
 format_version = 1

@@ -6,6 +6,7 @@
 
 #include "cosiva/base/expect.h"
 #include "cosiva/base/math.h"
+#include "cosiva/zone/movingai/stops.h"
 
 namespace cosiva::zone {
 namespace {
@@ -46,7 +47,6 @@ class Layer {
   Result<void> lay_section(std::uint32_t square, std::uint32_t direction);
   void add_stations();
   void record_parts();
-  [[nodiscard]] std::vector<std::uint32_t> part_sizes() const;
 
   const Grid& grid_;
   double pitch_m_;
@@ -117,45 +117,19 @@ void Layer::add_stations() {
          "a zone has at most 20000 stations; the last " + std::to_string(beyond) + " squares with E or S have none"});
 }
 
-/// Numbers of squares of the parts that no track connects, the largest first.
-std::vector<std::uint32_t> Layer::part_sizes() const {
-  std::vector<std::uint32_t> sizes;
-  std::vector<std::uint8_t> visited(squares(), 0);
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t first = 0; first < squares(); ++first) {
-    if (grid_.free[first] == 0 || visited[first] != 0) continue;
-    visited[first] = 1;
-    open.assign(1, first);
-    std::uint32_t size = 0;
-    while (!open.empty()) {
-      const std::uint32_t square = open.back();
-      open.pop_back();
-      ++size;
-      for (std::uint32_t direction = 0; direction < directions; ++direction) {
-        if (!leads(square, direction) || visited[neighbour(square, direction)] != 0) continue;
-        visited[neighbour(square, direction)] = 1;
-        open.push_back(neighbour(square, direction));
-      }
-    }
-    sizes.push_back(size);
-  }
-  std::sort(sizes.rbegin(), sizes.rend());
-  return sizes;
-}
-
 void Layer::record_parts() {
-  const auto sizes = part_sizes();
-  const auto single = std::count(sizes.begin(), sizes.end(), 1U);
+  const auto all = connected_squares(grid_);
+  const auto single = std::count_if(all.begin(), all.end(), [](const auto& part) { return part.size() == 1; });
   if (single > 0)
     tracks_.diagnostics.push_back(
         {Diagnostic::Kind::lost, "map",
          std::to_string(single) + " free squares have no free neighbour; no track leads there"});
-  const std::size_t parts = sizes.size() - static_cast<std::size_t>(single);
+  const std::size_t parts = all.size() - static_cast<std::size_t>(single);
   if (parts > 1)
     tracks_.diagnostics.push_back({Diagnostic::Kind::notice, "map",
                                    "the free squares form " + std::to_string(parts) +
-                                       " separate parts; the largest has " + std::to_string(sizes.front()) +
-                                       " squares, the next " + std::to_string(sizes[1]) +
+                                       " separate parts; the largest has " + std::to_string(all.front().size()) +
+                                       " squares, the next " + std::to_string(all[1].size()) +
                                        "; no vehicle can drive from one to another"});
 }
 

@@ -9,6 +9,7 @@
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/layout/waypoints.h"
 #include "cosiva/zone/movingai/grid_tracks.h"
+#include "cosiva/zone/movingai/stops.h"
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 
@@ -52,8 +53,9 @@ Result<TrafficZone> MovingAiCircuitFactory::make_zone(const ZoneConfiguration& c
     error.location = configuration.origin + (error.location.empty() ? "" : ": ") + error.location;
     return tl::unexpected(std::move(error));
   };
-  const auto grid = read_grid(configuration.text);
+  auto grid = read_grid(configuration.text);
   if (!grid) return failed(grid.error());
+  if (sidecar->stations) grid->stops = distributed_stops(*grid, *sidecar->stations);
   if (auto good = check_pitch(*sidecar, sidecar_file(configuration.origin)); !good) return tl::unexpected(good.error());
   auto tracks = lay_grid_tracks(*grid, sidecar->scale);
   if (!tracks) return failed(tracks.error());
@@ -73,6 +75,10 @@ Result<TrafficZone> MovingAiCircuitFactory::make_zone(const ZoneConfiguration& c
                    .starts = {},
                    .diagnostics = std::move(tracks->diagnostics),
                    .edges_are_sections = true};
+  if (sidecar->stations.value_or(0) > zone.stations.size())
+    zone.diagnostics.push_back({Diagnostic::Kind::notice, "map",
+                                "[import] stations is " + std::to_string(*sidecar->stations) + ", but only " +
+                                    std::to_string(zone.stations.size()) + " leave all others connected"});
   WaypointRules rules;
   rules.nodes_only = true;
   rules.start_ids = std::move(tracks->start_ids);

@@ -79,6 +79,21 @@ TEST(MovingAiFactory, refuses_a_sidecar_file_that_is_no_toml) {
   EXPECT_THAT(error_of(small_map, "[import\n").location, HasSubstr("maps/small.zone.toml"));
 }
 
+TEST(MovingAiFactory, distributes_as_many_stations_as_the_sidecar_file_states) {
+  const std::string open = "height 4\nwidth 4\nmap\n....\n....\n....\n....\n";
+  EXPECT_THAT(read(open)->stations, IsEmpty());
+  const auto zone = read(open, "[import]\nstations = 3\n");
+  ASSERT_TRUE(zone) << to_string(zone.error());
+  EXPECT_THAT(zone->stations, SizeIs(3));
+  EXPECT_THAT(zone->diagnostics, IsEmpty());
+  const auto few = read("height 1\nwidth 4\nmap\nEEEE\n", "[import]\nstations = 3\n");
+  ASSERT_TRUE(few) << to_string(few.error());
+  EXPECT_THAT(few->stations, SizeIs(2)) << "the ends, instead of the map's own";
+  ASSERT_THAT(few->diagnostics, SizeIs(1));
+  EXPECT_THAT(few->diagnostics[0].text, HasSubstr("is 3, but only 2 leave all others connected"));
+  EXPECT_EQ(error_of(open, "[import]\nstations = 20001\n").location, "maps/small.zone.toml:2: import.stations");
+}
+
 TEST(MovingAiFactory, makes_zones_that_the_native_format_holds_without_loss) {
   const auto zone = read(small_map, "[import]\nscale = 0.5\n");
   ASSERT_TRUE(zone);

@@ -9,6 +9,7 @@
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 #include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_node.h"
 
 namespace cosiva::zone {
 
@@ -34,6 +35,17 @@ std::string joined(const std::vector<std::string_view>& terms) {
   std::string text;
   for (const std::string_view word : terms) text.append(text.empty() ? "" : ", ").append(word);
   return text;
+}
+
+Result<ZoneConfiguration> with_squares(const ZoneConfiguration& configuration, std::string_view key,
+                                       const std::string& value) {
+  const MovingAiCircuitFactory squares;
+  if (configuration.format != squares.format())
+    return fail("zone.format",
+                "only a map of squares (" + joined(squares.file_endings()) +
+                    ") has a pitch, or stations distributed over it; in other formats they are part of the layout",
+                configuration.origin);
+  return with_import(configuration, key, value);
 }
 
 }  // namespace
@@ -87,14 +99,11 @@ Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configura
 }
 
 Result<ZoneConfiguration> with_pitch(const ZoneConfiguration& configuration, double pitch_m) {
-  const MovingAiCircuitFactory squares;
-  if (configuration.format != squares.format())
-    return fail("zone.format",
-                "only a map of squares (" + joined(squares.file_endings()) +
-                    ") has a pitch; the sidecar file's [import] scale "
-                    "resizes any other format",
-                configuration.origin);
-  return with_import_scale(configuration, pitch_m);
+  return with_squares(configuration, "scale", toml_number(pitch_m));
+}
+
+Result<ZoneConfiguration> with_stations(const ZoneConfiguration& configuration, std::uint32_t stations) {
+  return with_squares(configuration, "stations", std::to_string(stations));
 }
 
 std::uint64_t Rtm::initialised_count() { return initialised; }
