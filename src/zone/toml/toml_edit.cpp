@@ -8,6 +8,7 @@
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/toml/sidecar.h"
+#include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_fields.h"
 #include "cosiva/zone/toml/toml_node.h"
 
