@@ -12,7 +12,7 @@ function everything(folder) {
     entry.isDirectory() ? everything(path.join(folder, entry.name)).map((name) => path.join(entry.name, name)) : [entry.name],
   );
 }
-const is_zone = (name) => /\.(toml|lif\.json|xodr)$/.test(name) && !name.endsWith('.zone.toml');
+const is_zone = (name) => /\.(toml|lif\.json|xodr|map)$/.test(name) && !name.endsWith('.zone.toml');
 const files = folders.flatMap((folder) =>
   everything(path.join(source_dir, folder))
     .filter(is_zone)
@@ -20,7 +20,9 @@ const files = folders.flatMap((folder) =>
 );
 
 test('all files of the standards\' samples exist', () => {
-  assert.equal(files.filter((file) => file.includes('lif/testdata') && !file.includes('written') && file.endsWith('.lif.json')).length, 22);
+  const lif = files.filter((file) => file.includes('lif/testdata') && !file.includes('written') && file.endsWith('.lif.json'));
+  assert.equal(lif.filter((file) => !file.includes('2.0-draft')).length, 22);
+  assert.equal(lif.filter((file) => file.includes('2.0-draft')).length, 19);
   assert.equal(files.filter((file) => file.includes('opendrive/testdata')).length, 9);
 });
 
@@ -31,7 +33,7 @@ for (const file of files) {
     assert.ok(checked.sections > 0 && checked.length_m > 0);
     const pictures = path.join(artefacts_dir, 'zones');
     mkdirSync(pictures, { recursive: true });
-    const target = path.join(pictures, path.basename(file).replace(/\.(toml|lif\.json|xodr)$/, ''));
+    const target = path.join(pictures, path.basename(file).replace(/\.(toml|lif\.json|xodr|map)$/, ''));
     const drawn = await cosiva(['zone', 'show', full, '--svg', `${target}.svg`]);
     assert.equal(drawn.code, 0, drawn.stderr);
     assert.match(readFileSync(`${target}.svg`, 'utf8'), /<\/svg>\s*$/);

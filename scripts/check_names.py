@@ -20,7 +20,7 @@ import sys
 import checker
 
 CONCRETE = (
-    r"lacet|indus(?!tr)|clover|toml|opendrive|xodr|\blif\b"
+    r"lacet|indus(?!tr)|clover|toml|opendrive|xodr|movingai|\blif\b"
     r"|kuka|jungheinrich|omron|seegrid|turtlebot|raspberry|\bmir\d|vda-5050-lib"
 )
 

@@ -41,7 +41,8 @@ constexpr const char* show_examples =
 constexpr const char* convert_examples =
     "Examples:\n"
     "  cosiva zone convert lacet4 lacet4.lif.json   and lacet4.zone.toml next to it\n"
-    "  cosiva zone convert road.xodr road.toml";
+    "  cosiva zone convert road.xodr road.toml\n"
+    "  cosiva zone convert random-32-32-20.map random.toml --pitch 0.5 --stations 20";
 
 constexpr const char* switch_examples =
     "Examples:\n"
@@ -58,6 +59,21 @@ void add_zone(Command command, ZoneArguments& zone) {
       .add_option("--sidecar", zone.sidecar,
                   "sidecar file with what the format cannot express; without: the one next to the file, if any")
       .value_name("FILE");
+}
+
+void add_squares(Command command, ZoneArguments& zone) {
+  command
+      .add_option("--pitch", zone.pitch_m,
+                  "side of the squares of a .map file; without: [import] scale of its sidecar file, otherwise 1")
+      .value_name("M")
+      .in_range(1e-6, 1e6);
+  command
+      .add_option(
+          "--stations", zone.stations,
+          "stations distributed over a .map file; without: [import] stations of its sidecar file, otherwise those of "
+          "the map")
+      .value_name("N")
+      .in_range(0, 20'000);
 }
 
 void add_json(Command command, bool& json) { command.add_flag("--json", json, "print the result as JSON"); }
@@ -176,6 +192,7 @@ ZoneCommands describe_zone(Command root, ZoneArguments& zone, GenerateArguments&
   for (const Command command : {commands.check, commands.show, commands.convert, commands.switch_to})
     add_zone(command, zone);
   for (const Command command : {commands.check, commands.convert, commands.switch_to}) add_json(command, zone.json);
+  for (const Command command : {commands.check, commands.show, commands.convert}) add_squares(command, zone);
   add_json(commands.generate, generate.json);
   commands.check.footer(check_examples);
   describe_show(commands.show, zone);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "cosiva/app/cli/common_arguments.h"
@@ -13,6 +14,8 @@ struct ZoneArguments {
   std::string zone;     ///< name of a ready zone, or a file
   std::string sidecar;  ///< empty: the sidecar file next to the zone's file, if any
   bool json{false};
+  std::optional<double> pitch_m;          ///< of the squares of a map; none: as its sidecar file states
+  std::optional<std::uint32_t> stations;  ///< distributed over a map; none: likewise
 
   // show
   std::string svg_file;

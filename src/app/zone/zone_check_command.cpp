@@ -5,9 +5,10 @@
 #include <optional>
 
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/opened_zone.h"
 #include "cosiva/app/zone/zone_arguments.h"
 #include "cosiva/app/zone/zone_report.h"
+#include "cosiva/planning/layout_check/layout_problems.h"
 #include "cosiva/zone/check/check.h"
 #include "cosiva/zone/check/deadlock.h"
 #include "cosiva/zone/layout/beacon_free.h"
@@ -77,12 +78,19 @@ void write_waypoints(JsonWriter& json, const zone::TrafficZone& zone) {
   json.end_array();
 }
 
-/// The findings of a zone: its problems, and where deadlocks can occur.
+/// The findings of a zone: its problems, where deadlocks can occur, and what its stations make of a fleet.
 struct Findings {
   explicit Findings(const zone::TrafficZone& zone)
-      : problems{zone::problems(zone)}, deadlocks{zone::deadlock_spots(zone)} {}
+      : problems{zone::problems(zone)}, deadlocks{zone::deadlock_spots(zone)} {
+    const auto found = planning::WellFormed::examine(zone);
+    layout = planning::layout_problems(zone, found);
+    well_formed = zone.stations.size() > 1 && !found.obstructed() &&
+                  std::ranges::all_of(found.stations(), &planning::WellFormed::Finding::reaches_another);
+  }
   std::vector<zone::Problem> problems;
   std::vector<zone::Problem> deadlocks;
+  std::vector<zone::Problem> layout;
+  bool well_formed{false};  ///< for as many vehicles as there are stations
 };
 
 void write_problems(JsonWriter& json, const zone::TrafficZone& zone, const std::vector<zone::Problem>& problems) {
@@ -110,6 +118,8 @@ std::string json_of(const zone::Rtm& rtm, const Stretches& stretches, const Find
     json.null();
   write_problems(json.key("problems"), zone, findings.problems);
   write_problems(json.key("deadlocks"), zone, findings.deadlocks);
+  write_problems(json.key("layout"), zone, findings.layout);
+  json.field("well_formed", findings.well_formed);
   write_diagnostics(json.key("diagnostics"), zone.diagnostics);
   write_waypoints(json.key("waypoints"), zone);
   json.end_object();
@@ -125,10 +135,13 @@ std::string verdict(std::size_t errors, std::size_t warnings) {
 }
 
 std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, const Findings& findings) {
+  const auto count = [&](zone::Problem::Severity severity) {
+    return static_cast<std::size_t>(std::ranges::count(findings.problems, severity, &zone::Problem::severity) +
+                                    std::ranges::count(findings.layout, severity, &zone::Problem::severity));
+  };
   const std::vector<zone::Problem>& problems = findings.problems;
-  const auto errors =
-      static_cast<std::size_t>(std::ranges::count(problems, zone::Problem::Severity::error, &zone::Problem::severity));
-  std::string text = zone.name + ": " + verdict(errors, problems.size() - errors);
+  std::string text =
+      zone.name + ": " + verdict(count(zone::Problem::Severity::error), count(zone::Problem::Severity::warning));
   text += "\n  " + size_of(zone) + "\n  " + counted(zone.crossings.size(), "crossing") + ", " +
           counted(zone.waypoints.size(), "waypoint") + ", " + counted(zone.stations.size(), "station") +
           (zone.loops.empty() ? "" : ", " + counted(zone.loops.size(), "loop")) + "\n  " +
@@ -144,13 +157,18 @@ std::string text_of(const zone::TrafficZone& zone, const Stretches& stretches, c
   for (const zone::Problem& problem : problems) text += "\n    " + to_string(problem, zone);
   if (!findings.deadlocks.empty()) text += "\n  possible deadlocks:";
   for (const zone::Problem& spot : findings.deadlocks) text += "\n    " + to_string(spot, zone);
+  if (!findings.layout.empty()) text += "\n  stations:";
+  for (const zone::Problem& problem : findings.layout) text += "\n    " + to_string(problem, zone);
+  if (findings.well_formed)
+    text += "\n  well-formed for " + counted(zone.stations.size(), "vehicle") +
+            ": each station can be reached and left while vehicles are stopped at all others";
   return text + report_of(zone.diagnostics, "reading it");
 }
 
 /// Lists every fault of an unusable zone, not only the first.
 int refuse_zone(const ZoneArguments& arguments, const Error& first) {
   std::vector<Error> faults;
-  if (const auto configuration = load_zone(arguments.zone, arguments.sidecar)) faults = zone::faults(*configuration);
+  if (const auto configuration = load_zone(arguments)) faults = zone::faults(*configuration);
   if (faults.empty()) faults.push_back(first);
   for (const Error& fault : faults) report_error(fault);
   if (!arguments.json) return exit_bad_input;
@@ -170,7 +188,7 @@ int refuse_zone(const ZoneArguments& arguments, const Error& first) {
 }  // namespace
 
 int run_zone_check(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
+  const auto rtm = open_zone(arguments);
   if (!rtm) return refuse_zone(arguments, rtm.error());
   const Stretches stretches = stretches_of(rtm->zone());
   const Findings findings{rtm->zone()};

@@ -135,6 +135,34 @@ TEST(ZoneCheck, lists_every_fault_of_an_unusable_file) {
   EXPECT_THAT(output.standard_error, HasSubstr("'north'"));
 }
 
+TEST(ZoneCheck, names_stations_that_obstruct_others_and_layouts_that_are_well_formed) {
+  Scratch scratch;
+  const std::string corridor = scratch.write("corridor.map", "height 1\nwidth 5\nmap\nE.E.E\n");
+  const CommandOutput cut = cosiva({"zone", "check", corridor});
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_THAT(cut.data,
+              HasSubstr("a vehicle at station 'S2' cuts off station 'S3' from the others; give the station a bay"));
+  EXPECT_THAT(cut.data, Not(HasSubstr("well-formed for")));
+  const auto json = JsonValue::parse(cosiva({"zone", "check", corridor, "--json"}).data);
+  ASSERT_TRUE(json);
+  EXPECT_EQ(json->find("layout")->array()->size(), 2U);
+  EXPECT_EQ(*json->find("well_formed")->flag(), false);
+
+  const std::string bays = scratch.write("bays.map", "height 2\nwidth 5\nmap\n.....\nE@E@E\n");
+  EXPECT_THAT(cosiva({"zone", "check", bays}).data,
+              HasSubstr("well-formed for 3 vehicles: each station can be reached and left while vehicles are stopped"));
+  EXPECT_EQ(*JsonValue::parse(cosiva({"zone", "check", bays, "--json"}).data)->find("well_formed")->flag(), true);
+}
+
+TEST(ZoneCheck, names_a_station_that_can_be_entered_but_not_left) {
+  Scratch scratch;
+  const std::string file =
+      scratch.write("line.toml",
+                    "name = \"line\"\nformat_version = 1\n[[section]]\nname = \"a\"\nkind = "
+                    "\"straight\"\nlength_m = 2.0\n[[station]]\nname = \"S7\"\nsection = \"a\"\ns_m = 2\n");
+  EXPECT_THAT(cosiva({"zone", "check", file}).data, HasSubstr("station 'S7' can be entered but not left"));
+}
+
 TEST(ZoneCheck, warns_of_a_usable_zone_and_ends_with_0) {
   Scratch scratch;
   std::string text = cycle;
@@ -192,6 +220,33 @@ TEST(ZoneConvert, writes_the_same_geometry_in_another_format_with_a_sidecar) {
   EXPECT_NEAR(*after->number("length_m"), *before->number("length_m"), 1e-4 * *before->number("length_m"));
   EXPECT_EQ(after->number("stations"), before->number("stations"));
   EXPECT_EQ(after->number("tags"), before->number("tags")) << "the sidecar file is read automatically";
+}
+
+TEST(ZoneConvert, makes_a_zone_of_a_map_of_squares_with_the_requested_pitch) {
+  Scratch scratch;
+  const std::string map = scratch.write("small.map", "type octile\nheight 2\nwidth 3\nmap\n...\n.@.\n");
+  const CommandOutput output = cosiva({"zone", "convert", map, scratch / "small.toml", "--pitch", "2.5", "--json"});
+  ASSERT_EQ(output.status, 0) << output.standard_error;
+  const auto made = JsonValue::parse(output.data);
+  EXPECT_EQ(made->number("sections"), 8.0);
+  EXPECT_EQ(made->number("length_m"), 20.0);
+  const auto stations = cosiva({"zone", "convert", map, scratch / "two.toml", "--stations", "2", "--json"});
+  EXPECT_EQ(JsonValue::parse(stations.data)->number("stations"), 2.0);
+  const auto checked = JsonValue::parse(cosiva({"zone", "check", scratch / "small.toml", "--json"}).data);
+  EXPECT_EQ(checked->number("length_m"), 20.0);
+  EXPECT_EQ(JsonValue::parse(cosiva({"zone", "check", map, "--json"}).data)->number("length_m"), 8.0);
+}
+
+TEST(ZoneConvert, names_line_and_column_of_a_map_s_fault_and_formats_without_a_pitch) {
+  Scratch scratch;
+  const std::string map = scratch.write("bad.map", "type octile\nheight 2\nwidth 3\nmap\n...\n.x.\n");
+  const CommandOutput bad = cosiva({"zone", "convert", map, scratch / "bad.toml"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_THAT(bad.standard_error, HasSubstr("bad.map: line 6, column 2: "));
+  const CommandOutput other = cosiva({"zone", "check", zones + "lacet4.toml", "--pitch", "2"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.standard_error, HasSubstr("(.map) has a pitch"));
+  EXPECT_EQ(cosiva({"zone", "check", map, "--pitch", "0"}).status, 2);
 }
 
 TEST(ZoneConvert, refuses_read_only_formats_and_unknown_endings) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/resources/zone_files.h"
+#include "cosiva/app/zone/opened_zone.h"
 #include "cosiva/app/zone/written_zone.h"
 #include "cosiva/app/zone/zone_arguments.h"
 
@@ -25,7 +25,7 @@ Result<std::string> format_to(const ZoneArguments& arguments) {
 int run_zone_convert(const ZoneArguments& arguments) {
   const auto format = format_to(arguments);
   if (!format) return report_error(format.error());
-  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
+  const auto rtm = open_zone(arguments);
   if (!rtm) return report_error(rtm.error());
   std::error_code error;
   if (fs::equivalent(rtm->configuration().origin, arguments.out_file, error))

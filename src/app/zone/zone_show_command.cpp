@@ -4,7 +4,6 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
-#include "cosiva/app/resources/zone_files.h"
 #include "cosiva/drawing/png/svg_to_png.h"
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/drawing/svg.h"
@@ -21,7 +20,7 @@ int write_image(const std::string& file, const std::string& bytes) {
 }  // namespace
 
 int run_zone_show(const ZoneArguments& arguments) {
-  const auto rtm = open_zone(arguments.zone, arguments.sidecar);
+  const auto rtm = open_zone(arguments);
   if (!rtm) return report_error(rtm.error());
   const std::string svg = zone::to_svg(rtm->zone(), zone::draw(rtm->zone()));
   const bool to_output = (arguments.svg_file.empty() && arguments.png_file.empty()) || arguments.svg_file == "-";

@@ -1,29 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
-#include <vector>
 
 #include "cosiva/planning/floor/floor.h"
+#include "cosiva/zone/grid/grid.h"
 
 namespace cosiva::planning {
 
-/// A rectangle of equal squares, free or blocked: a MovingAI map (Sturtevant 2012, "Benchmarks for Grid-Based
-/// Pathfinding"), as the MAPF benchmarks use them. Squares are numbered row by row from the first line's first.
-struct Grid {
-  std::uint32_t width{};
-  std::uint32_t height{};
-  std::vector<std::uint8_t> free;  ///< width × height, row by row; 1: a vehicle may be there
-
-  [[nodiscard]] bool is_free(std::uint32_t x, std::uint32_t y) const noexcept {
-    return x < width && y < height && free[y * width + x] != 0;
-  }
-};
-
-/// Reads a MovingAI map: the lines "type …", "height N", "width N" and "map", then one line per row. Free squares are a
-/// dot, G and S (and E, of the League of Robot Runners' maps); an at sign, O, T and W are blocked.
-/// Fails ("grid.header", "grid.row", "grid.character") and names the line.
-[[nodiscard]] Result<Grid> read_grid(std::string_view text);
+using zone::Grid;
+using zone::read_grid;
 
 /// How a vehicle moves on a grid, one action per step.
 enum class GridMotion : std::uint8_t {

@@ -125,8 +125,9 @@ void TrackFloor::Builder::follow(StateId from, zone::SectionId section, std::vec
   sections.push_back(section);
   if (const auto to = first_beyond_start(section)) {
     // Of several moves to the same state the one found first is the usual one: default successors come first.
-    const auto known =
-        std::ranges::any_of(moves_, [&](const Move& move) { return move.from == from && move.to == *to; });
+    bool known = false;
+    for (auto move = moves_.rbegin(); move != moves_.rend() && move->from == from && !known; ++move)
+      known = move->to == *to;
     if (!known && *to != from) moves_.push_back({from, *to, sections, 0.0, 0.0, empty_area(), {}, {}});
   } else {
     for (const zone::SectionId next : zone_.circuit.next(section)) follow(from, next, sections);

@@ -80,17 +80,21 @@ class Checker {
   void record(Severity severity, std::string code, TrackPosition track_position, std::string text) {
     auto& [count, last] = counts_[code];
     last = track_position;
-    if (++count > limits_.of_one_code) return;
+    if (++count > listed_max(code)) return;
     found_.push_back(
         {severity, std::move(code), track_position, position(circuit_.pose_at(track_position)), std::move(text)});
+  }
+
+  [[nodiscard]] std::size_t listed_max(std::string_view code) const {
+    return code == "zone.single_track" ? std::min(limits_.single_tracks, limits_.of_one_code) : limits_.of_one_code;
   }
 
   void count_those_left_out() {
     for (const auto& [code, counted] : counts_) {
       const auto& [count, last] = counted;
-      if (count <= limits_.of_one_code) continue;
+      if (count <= listed_max(code)) continue;
       found_.push_back({Severity::warning, code, last, position(circuit_.pose_at(last)),
-                        "and " + std::to_string(count - limits_.of_one_code) + " more like those above, up to here"});
+                        "and " + std::to_string(count - listed_max(code)) + " more like those above, up to here"});
     }
   }
 

@@ -28,9 +28,10 @@ struct Problem {
 struct CheckLimits {
   double gap_m{1e-3};
   double kink_rad{1e-3};
-  double lateral_mps2{1.0};      ///< the lateral acceleration that loads and bodies tolerate in a bend at full speed
-  double unread_max_m{5.0};      ///< without a tag or a beacon
-  std::size_t of_one_code{100};  ///< further findings are counted, not listed
+  double lateral_mps2{1.0};       ///< the lateral acceleration that loads and bodies tolerate in a bend at full speed
+  double unread_max_m{5.0};       ///< without a tag or a beacon
+  std::size_t of_one_code{100};   ///< further findings are counted, not listed
+  std::size_t single_tracks{10};  ///< likewise; on a floor of two-way tracks each one is such a finding
 };
 
 /// Everything that is wrong or odd with a readable zone, errors first, then by code and section: gaps and kinks, bends

@@ -197,6 +197,19 @@ TEST(Check, counts_findings_that_it_does_not_list) {
   EXPECT_THAT(ends[3].text, HasSubstr("and 4 more"));
 }
 
+TEST(Check, lists_ten_tracks_that_are_driven_both_ways_and_counts_the_others) {
+  std::vector<Circuit::Part> parts;
+  for (SectionId i = 0; i < 12; ++i) {
+    parts.push_back(part("there" + std::to_string(i), section({0.0, 5.0 * i, 0.0}, 3.0), {2 * i + 1}));
+    parts.push_back(part("back" + std::to_string(i), section({3.0, 5.0 * i, pi}, 3.0), {2 * i}));
+    parts[2 * i].pivots = parts[2 * i + 1].pivots = true;
+  }
+  const auto found = of_code(zone_of(std::move(parts)), "zone.single_track");
+  ASSERT_THAT(found, SizeIs(11));
+  EXPECT_THAT(found[9].text, HasSubstr("'back9' and 'there9'"));
+  EXPECT_EQ(found[10].text, "and 2 more like those above, up to here");
+}
+
 TEST(Check, tolerates_joints_up_to_its_limits_and_turns_on_the_spot_at_any_angle) {
   const auto joined = [](double gap_m, double kink_rad, bool pivots = false) {
     auto a = part("a", section({}, 1.0), {1});

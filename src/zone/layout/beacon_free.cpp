@@ -27,7 +27,11 @@ struct Reads {
 class DistanceToReads {
  public:
   DistanceToReads(const Circuit& circuit, const std::vector<Reads>& reads)
-      : circuit_{circuit}, reads_{reads}, ahead_m_(circuit.size(), unknown), via_(circuit.size(), no_section) {}
+      : circuit_{circuit},
+        reads_{reads},
+        ahead_m_(circuit.size(), unknown),
+        begin_m_(circuit.size()),
+        via_(circuit.size(), no_section) {}
 
   Stretch longest() {
     for (SectionId id = 0; id < circuit_.size(); ++id) look_ahead(id);
@@ -71,8 +75,11 @@ class DistanceToReads {
       return;
     }
     ahead_m_[id] = open;
+    begin_m_[id] = stack.empty() ? 0.0 : end_m(stack.back().first);
     stack.emplace_back(id, 0);
   }
+
+  [[nodiscard]] double end_m(SectionId id) const { return begin_m_[id] + circuit_.section(id).length_m(); }
 
   /// From the start of each section to the next read, by the worst branch; depth first, on an explicit stack.
   void look_ahead(SectionId first) {
@@ -97,12 +104,11 @@ class DistanceToReads {
     }
   }
 
+  /// From the start of an open section to the end of the last one, and round again.
   void record_round(const Stack& stack, SectionId first) {
-    const auto begin = std::find_if(stack.begin(), stack.end(), [&](const auto& step) { return step.first == first; });
-    double length_m = 0.0;
-    for (auto at = begin; at != stack.end(); ++at) length_m += circuit_.section(at->first).length_m();
-    if (longest_.endless && length_m <= longest_.length_m) return;
     const SectionId last = stack.back().first;
+    const double length_m = end_m(last) - begin_m_[first];
+    if (longest_.endless && length_m <= longest_.length_m) return;
     longest_ = {length_m, {first, 0.0}, {last, circuit_.section(last).length_m()}, true};
   }
 
@@ -117,6 +123,7 @@ class DistanceToReads {
   const Circuit& circuit_;
   const std::vector<Reads>& reads_;
   std::vector<double> ahead_m_;
+  std::vector<double> begin_m_;  ///< of open sections: from the begin of the path that is being followed
   std::vector<SectionId> via_;
   Stretch longest_;
 };

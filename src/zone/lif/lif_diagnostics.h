@@ -30,6 +30,10 @@ class LifDiagnostics {
   /// In the order of their first appearance.
   [[nodiscard]] std::vector<Diagnostic> take() const;
 
+  /// Of LIF, whose fields the file may have: "1.0" or "2.0".
+  void set_version(std::string version) { version_ = std::move(version); }
+  [[nodiscard]] const std::string& version() const { return version_; }
+
  private:
   struct Sorted {
     Diagnostic first;
@@ -38,6 +42,7 @@ class LifDiagnostics {
   };
   std::vector<Sorted> all_;
   std::map<std::string, std::size_t> index_;
+  std::string version_{"1.0"};
 };
 
 }  // namespace cosiva::zone::lif

@@ -7,8 +7,10 @@
 #include <string_view>
 #include <utility>
 
+#include "cosiva/base/math.h"
 #include "cosiva/zone/lif/lif_fields.h"
-#include "cosiva/zone/lif/lif_trajectory.h"
+#include "cosiva/zone/lif/lif_origin.h"
+#include "cosiva/zone/lif/lif_properties.h"
 
 namespace cosiva::zone::lif {
 namespace {
@@ -16,10 +18,7 @@ namespace {
 constexpr auto mended = Diagnostic::Kind::mended;
 constexpr auto lost = Diagnostic::Kind::lost;
 
-/// Beyond this a file's origin is moved: positions are sent as numbers that keep a millimetre up to here.
-constexpr double coordinate_max_m = 1e5;
 constexpr double any_coordinate_max_m = 1e9;
-constexpr double speed_max_mps = 100.0;
 
 using TypeId = std::uint32_t;
 
@@ -31,12 +30,14 @@ struct Types {
   [[nodiscard]] bool has(TypeId id) const { return all || std::binary_search(ids.begin(), ids.end(), id); }
 };
 
-/// Ids are displayed and sent in messages.
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  return text;
+/// The vehicle types that properties are for: the vehicleTypeId of LIF 1.0, or the vehicleTypeIds of 2.0.
+std::vector<std::string> types_of(const LifFields& properties) {
+  std::vector<std::string> names;
+  if (auto name = properties.text("vehicleTypeId")) names.push_back(*std::move(name));
+  properties.each("vehicleTypeIds", [&](const LifFields& type) {
+    if (auto name = type.text()) names.push_back(*std::move(name));
+  });
+  return names;
 }
 
 class Reader {
@@ -45,6 +46,11 @@ class Reader {
   Result<Document> read(const JsonValue& json);
 
  private:
+  /// Of a layout of version 2.0; of version 1.0 all layouts have one origin.
+  struct OriginId {
+    std::size_t index{0};
+    std::optional<std::string> id{};
+  };
   /// The data of an item that are read before the vehicle type is chosen.
   struct Item {
     const JsonValue* value;
@@ -53,7 +59,11 @@ class Reader {
   };
 
   void read_meta(const LifFields& root);
-  bool read_layout(const LifFields& layout);
+  void read_origins(const LifFields& root);
+  template <typename Visit>
+  std::size_t each_layout(const LifFields& root, const Visit& visit) const;
+  [[nodiscard]] bool is_selected(const LifFields& layout, const OriginId& origin) const;
+  bool read_layout(const LifFields& layout, const OriginId& origin);
   void read_node(const LifFields& node);
   void read_edge(const LifFields& edge);
   void read_station(const LifFields& station);
@@ -67,9 +77,7 @@ class Reader {
   void visit_properties(const Item& item, const std::string& location, std::string_view key, const Visit& visit) const;
   void read_node_properties(std::size_t index);
   void read_edge_properties(std::size_t index);
-  [[nodiscard]] static Rotation read_rotation(const LifFields& fields, std::string_view key);
   void drop_closed();
-  void move_origin();
   void stop(std::string code, std::string message, std::string location);
   /// Layouts with common ids cannot be one zone, but each alone can.
   [[nodiscard]] const char* one_layout_hint() const {
@@ -89,14 +97,9 @@ class Reader {
   std::vector<std::string> types_;
   std::map<std::string, TypeId, std::less<>> type_by_name_;
   TypeId type_{};
+  bool is_version_2_{false};
+  std::optional<std::size_t> origin_;  ///< of the layouts taken
 };
-
-void lose(const LifFields& fields, std::string_view key, std::string_view why) {
-  if (!fields.has(key)) return;
-  std::string text = "'";
-  text.append(key).append("' is not taken: ").append(why);
-  fields.record(lost, key, std::move(text));
-}
 
 void Reader::stop(std::string code, std::string message, std::string location) {
   if (!error_) error_ = Error{std::move(code), std::move(message), std::move(location)};
@@ -105,19 +108,21 @@ void Reader::stop(std::string code, std::string message, std::string location) {
 Result<Document> Reader::read(const JsonValue& json) {
   const LifFields root{diagnostics_, json, {}};
   if (!root.is_object()) return fail("zone.missing", "expected an object with metaInformation and layouts");
-  root.known({"metaInformation", "layouts"});
+  is_version_2_ =
+      root.has("origins") || root.object("metaInformation").text("lifVersion").value_or("").starts_with("2.");
+  if (is_version_2_) diagnostics_.set_version("2.0");
+  root.known({"metaInformation", "layouts", "origins"});
   read_meta(root);
+  read_origins(root);
 
   // Edges may lead to nodes of later layouts, and stations too.
   std::vector<bool> taken;
-  const auto count =
-      root.each("layouts", [&](const LifFields& layout) { taken.push_back(!error_ && read_layout(layout)); });
-  if ((!count || *count == 0) && root.has("origins"))
-    return fail("zone.version",
-                "expected a list of layouts, found origins, as version 2.0 of LIF has them; this program reads LIF 1.0",
-                "origins");
-  if (!count || *count == 0)
-    return fail("zone.missing", "expected a list of at least one layout, found none", "layouts");
+  const std::size_t count = each_layout(root, [&](const LifFields& layout, const OriginId& origin) {
+    taken.push_back(!error_ && read_layout(layout, origin));
+  });
+  if (count == 0)
+    return fail("zone.missing", "expected a list of at least one layout, found none",
+                root.has("origins") ? "origins" : "layouts");
   if (error_) return tl::unexpected(*error_);
   if (document_.layouts.empty()) {
     return fail(
@@ -126,9 +131,10 @@ Result<Document> Reader::read(const JsonValue& json) {
         "layouts");
   }
   std::size_t index = 0;
-  root.each("layouts", [&](const LifFields& layout) {
+  each_layout(root, [&](const LifFields& layout, const OriginId&) {
     if (!taken[index++]) return;
-    if (!layout.has("stations")) layout.record(mended, "stations", "the list of stations is missing; there are none");
+    if (!layout.has("stations") && !is_version_2_)
+      layout.record(mended, "stations", "the list of stations is missing; there are none");
     layout.each("edges", [&](const LifFields& edge) {
       if (!error_) read_edge(edge);
     });
@@ -143,28 +149,68 @@ Result<Document> Reader::read(const JsonValue& json) {
   close_others();
   for (std::size_t i = 0; i < document_.nodes.size(); ++i) read_node_properties(i);
   for (std::size_t i = 0; i < document_.edges.size(); ++i) {
+    const Edge& edge = document_.edges[i];
+    edge_items_[i].taken = edge_items_[i].taken && node_items_[edge.from].taken && node_items_[edge.to].taken;
     if (edge_items_[i].taken) read_edge_properties(i);
   }
   drop_closed();
-  move_origin();
+  move_origin(document_, diagnostics_);
   return std::move(document_);
 }
 
 void Reader::read_meta(const LifFields& root) {
   const LifFields meta = root.object("metaInformation");
-  meta.known({"projectIdentification", "creator", "exportTimestamp", "lifVersion"});
-  for (const std::string_view key : {"projectIdentification", "creator", "exportTimestamp", "lifVersion"}) {
+  meta.known({"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"});
+  const std::string_view name = is_version_2_ ? "lifId" : "projectIdentification";
+  for (const std::string_view key :
+       {name, std::string_view{"creator"}, std::string_view{"exportTimestamp"}, std::string_view{"lifVersion"}}) {
     if (!meta.has(key)) meta.record(mended, key, "'" + std::string(key) + "' is missing; read all the same");
   }
-  document_.project = printable(meta.text("projectIdentification").value_or(""));
+  document_.project = printable(meta.text("projectIdentification").value_or(meta.text("lifId").value_or("")));
   const auto version = meta.text("lifVersion");
-  if (version && !version->starts_with("1."))
+  if (version && !version->starts_with(is_version_2_ ? "2." : "1."))
     meta.record(mended, "lifVersion",
-                "the file has version '" + printable(version->substr(0, 40)) + "'; read as 1.0.0");
+                "the file has version '" + printable(version->substr(0, 40)) + "'; read as " +
+                    (is_version_2_ ? "2.0.0" : "1.0.0"));
+}
+
+void Reader::read_origins(const LifFields& root) {
+  root.each("origins", [](const LifFields& origin) {
+    if (!origin.is_object()) return origin.record(lost, {}, "no object where an origin belongs; not taken");
+    origin.known({"originId", "originDescription", "layouts"});
+    if (!origin.has("originId"))
+      origin.record(mended, "originId", "an origin without an id; its layouts are taken all the same");
+    origin.lose("originDescription", "a zone has none");
+  });
+}
+
+/// Calls visit(layout, origin) for each, in the file's order, and returns their number.
+template <typename Visit>
+std::size_t Reader::each_layout(const LifFields& root, const Visit& visit) const {
+  std::size_t count = 0;
+  OriginId id;
+  const auto counted = [&](const LifFields& layout) {
+    ++count;
+    visit(layout, id);
+  };
+  root.each("origins", [&](const LifFields& origin) {
+    id.id = origin.text("originId");
+    origin.each("layouts", counted);
+    ++id.index;
+  });
+  id.id.reset();
+  root.each("layouts", counted);
+  return count;
+}
+
+/// By the layout's id or name, or by its origin's id.
+bool Reader::is_selected(const LifFields& layout, const OriginId& origin) const {
+  return !selection_.layout || layout.text("layoutId") == selection_.layout ||
+         layout.text("layoutName") == selection_.layout || origin.id == selection_.layout;
 }
 
 /// Its nodes; false: the layout is not taken.
-bool Reader::read_layout(const LifFields& layout) {
+bool Reader::read_layout(const LifFields& layout, const OriginId& origin) {
   layout.known(
       {"layoutId", "layoutName", "layoutVersion", "layoutLevelId", "layoutDescription", "nodes", "edges", "stations"});
   if (!layout.is_object()) {
@@ -172,17 +218,24 @@ bool Reader::read_layout(const LifFields& layout) {
     return false;
   }
   const auto id = layout.text("layoutId");
-  if (selection_.layout && id != selection_.layout && layout.text("layoutName") != selection_.layout) {
+  if (!is_selected(layout, origin)) {
     layout.record(lost, {}, "only the layout that [import] names is taken");
     if (other_layouts_.size() < 200)
       other_layouts_ += (other_layouts_.empty() ? "" : ", ") + printable(id.value_or("?"));
     return false;
   }
+  if (origin_.value_or(origin.index) != origin.index) {
+    layout.record(lost, {},
+                  "positions of different origins cannot be compared; [import] layout takes the layouts of this origin "
+                  "instead of those of the first");
+    return false;
+  }
+  origin_ = origin.index;
   if (!id) layout.record(mended, "layoutId", "a layout without an id; taken all the same");
   if (!layout.has("layoutVersion"))
     layout.record(mended, "layoutVersion", "'layoutVersion' is missing; it is not needed");
-  lose(layout, "layoutName", "a zone has one name only");
-  lose(layout, "layoutDescription", "a zone has none");
+  layout.lose("layoutName", "a zone has one name only");
+  layout.lose("layoutDescription", "a zone has none");
   document_.layouts.push_back({id.value_or(""), layout.text("layoutLevelId")});
   layout.each("nodes", [&](const LifFields& node) {
     if (!error_) read_node(node);
@@ -193,11 +246,13 @@ bool Reader::read_layout(const LifFields& layout) {
 Types Reader::read_types(const LifFields& fields, std::string_view key) {
   Types types;
   fields.each(key, [&](const LifFields& properties) {
-    const auto name = properties.text("vehicleTypeId");
-    if (!name) return properties.record(lost, "vehicleTypeId", "properties of no vehicle type; not taken");
-    const auto [known, fresh] = type_by_name_.emplace(*name, static_cast<TypeId>(types_.size()));
-    if (fresh) types_.push_back(*name);
-    types.ids.push_back(known->second);
+    const auto names = types_of(properties);
+    if (names.empty()) return properties.record(lost, "vehicleTypeId", "properties of no vehicle type; not taken");
+    for (const std::string& name : names) {
+      const auto [known, fresh] = type_by_name_.emplace(name, static_cast<TypeId>(types_.size()));
+      if (fresh) types_.push_back(name);
+      types.ids.push_back(known->second);
+    }
   });
   std::sort(types.ids.begin(), types.ids.end());
   types.ids.erase(std::unique(types.ids.begin(), types.ids.end()), types.ids.end());
@@ -226,10 +281,10 @@ void Reader::read_node(const LifFields& node) {
     return stop("zone.duplicate", "two nodes have the id '" + printable(*id) + "'" + one_layout_hint(),
                 node.location("nodeId"));
 
-  lose(node, "nodeName", "a node is identified by its id");
-  lose(node, "nodeDescription", "a node is identified by its id");
+  node.lose("nodeName", "a node is identified by its id");
+  node.lose("nodeDescription", "a node is identified by its id");
   if (node.text("mapId").value_or(document_.project) != document_.project)
-    lose(node, "mapId", "in orders the map's id is the zone's name");
+    node.lose("mapId", "in orders the map's id is the zone's name");
   document_.nodes.push_back({printable(*id),
                              node.location(),
                              document_.layouts.size() - 1,
@@ -271,10 +326,10 @@ void Reader::read_edge(const LifFields& edge) {
 
   std::string section = edge.text("edgeName").value_or("");
   if (section.empty() || (*id != section && !id->starts_with(section + "."))) {
-    lose(edge, "edgeName", "an edge is identified by its id");
+    edge.lose("edgeName", "an edge is identified by its id");
     section.clear();
   }
-  lose(edge, "edgeDescription", "an edge is identified by its id");
+  edge.lose("edgeDescription", "an edge is identified by its id");
   document_.edges.push_back({printable(*id), edge.location(), *from, *to});
   document_.edges.back().section = std::move(section);
   edge_items_.push_back({edge.value(), read_types(edge, "vehicleTypeEdgeProperties")});
@@ -298,12 +353,12 @@ void Reader::read_station(const LifFields& station) {
     station.record(mended, "stationType",
                    "'stationType' is no field of LIF 1.0; used where it is CHARGING, otherwise ignored");
   }
-  lose(station, "stationDescription", "a station is identified by its name");
+  station.lose("stationDescription", "a station is identified by its name");
   (void)station.number("stationHeight");
-  lose(station, "stationHeight", "a zone is flat");
+  station.lose("stationHeight", "a zone is flat");
   const LifFields position = station.object("stationPosition");
   position.known({"x", "y", "theta"});
-  lose(station, "stationPosition", "a station lies where vehicles stop, at its interaction nodes");
+  station.lose("stationPosition", "a station lies where vehicles stop, at its interaction nodes");
   document_.stations.push_back(std::move(read));
 }
 
@@ -378,7 +433,8 @@ void Reader::visit_properties(const Item& item, const std::string& location, std
   const LifFields fields{diagnostics_, *item.value, {nullptr, location, 0}};
   bool found = false;
   fields.each(key, [&](const LifFields& properties) {
-    if (properties.text("vehicleTypeId") != types_[type_]) return;
+    const auto names = types_of(properties);
+    if (std::find(names.begin(), names.end(), types_[type_]) == names.end()) return;
     if (found) return properties.record(lost, {}, "the vehicle type's properties a second time; not taken");
     found = true;
     visit(properties);
@@ -388,67 +444,17 @@ void Reader::visit_properties(const Item& item, const std::string& location, std
 void Reader::read_node_properties(std::size_t index) {
   Node& node = document_.nodes[index];
   visit_properties(node_items_[index], node.location, "vehicleTypeNodeProperties", [&](const LifFields& properties) {
-    properties.known({"vehicleTypeId", "theta", "actions"});
-    if (const auto theta = properties.number("theta"); theta && std::fabs(*theta) > 2.0 * pi + 1e-6)
-      properties.record(mended, "theta", "an angle beyond ±2π must be meant in degrees");
-    lose(properties, "theta", "a stopped vehicle has the heading of its path");
-    bool others = false;
-    properties.each("actions", [&](const LifFields& action) {
-      const auto type = action.text("actionType").value_or("");
-      if (type == "startCharging") node.charges = true;
-      if (type != "startCharging" && type != "stopCharging") others = true;
-    });
-    if (others) lose(properties, "actions", "vehicles do nothing at nodes but stop, turn and charge");
+    if (!lif::read_node_properties(properties, node)) node_items_[index].taken = false;
   });
-}
-
-Rotation Reader::read_rotation(const LifFields& fields, std::string_view key) {
-  const auto word = fields.text(key);
-  if (!word || *word == "BOTH") return Rotation::any;
-  if (*word == "NONE") return Rotation::none;
-  if (*word == "CW" || *word == "CCW") {
-    fields.record(lost, key, "turning in one direction only is not supported: vehicles turn in the shorter direction");
-    return Rotation::one_way;
-  }
-  fields.record(mended, key,
-                "expected NONE, CW, CCW or BOTH, found '" + printable(word->substr(0, 40)) + "'; taken as BOTH");
-  return Rotation::any;
 }
 
 void Reader::read_edge_properties(std::size_t index) {
   Edge& edge = document_.edges[index];
+  const Point2 from = document_.nodes[edge.from].at;
+  const Point2 to = document_.nodes[edge.to].at;
+  const EdgeRules rules{selection_.scale, det_atan2(to.y_m - from.y_m, to.x_m - from.x_m), is_version_2_};
   visit_properties(edge_items_[index], edge.location, "vehicleTypeEdgeProperties", [&](const LifFields& properties) {
-    properties.known({"vehicleTypeId", "vehicleOrientation", "orientationType", "rotationAllowed",
-                      "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed", "maxSpeed", "maxRotationSpeed",
-                      "minHeight", "maxHeight", "loadRestriction", "actions", "trajectory", "reentryAllowed"});
-    const double orientation = properties.number("vehicleOrientation").value_or(0.0);
-    if (std::fabs(orientation) > 2.0 * pi + 1e-6)
-      properties.record(mended, "vehicleOrientation", "an angle beyond ±2π must be meant in degrees");
-    if (orientation != 0.0 || properties.text("orientationType").value_or("TANGENTIAL") != "TANGENTIAL")
-      properties.record(lost, "vehicleOrientation",
-                        "another orientation than along the path is not supported: vehicles drive forwards");
-    if (!properties.has("rotationAllowed"))
-      properties.record(mended, "rotationAllowed",
-                        "'rotationAllowed' is missing; vehicles do not turn on edges anyway");
-    else if (properties.flag("rotationAllowed").value_or(false))
-      properties.record(lost, "rotationAllowed", "turning while driving is not supported: vehicles turn at nodes only");
-    edge.leaving = read_rotation(properties, "rotationAtStartNodeAllowed");
-    edge.arriving = read_rotation(properties, "rotationAtEndNodeAllowed");
-    if (const auto speed = properties.number("maxSpeed")) {
-      if (*speed > 0.0 && *speed <= speed_max_mps)
-        edge.speed_mps_max = *speed;
-      else
-        properties.record(mended, "maxSpeed", "expected a positive speed of at most 100 m/s; taken as absent");
-    }
-    lose(properties, "maxRotationSpeed", "turns on the spot have one speed everywhere");
-    lose(properties, "minHeight", "a zone is flat");
-    lose(properties, "maxHeight", "a zone is flat");
-    lose(properties, "loadRestriction", "vehicles drive here with and without load");
-    lose(properties, "actions", "vehicles do nothing on edges but drive");
-    if (properties.has("reentryAllowed") && !properties.flag("reentryAllowed").value_or(true))
-      lose(properties, "reentryAllowed", "vehicles do not turn round on edges anyway");
-    const LifFields trajectory = properties.object("trajectory");
-    if (trajectory.is_object()) edge.trajectory = read_trajectory(trajectory, selection_.scale);
+    if (!lif::read_edge_properties(properties, rules, edge)) edge_items_[index].taken = false;
   });
 }
 
@@ -461,30 +467,6 @@ void Reader::drop_closed() {
   document_.edges = std::move(kept);
   for (Station& station : document_.stations)
     std::erase_if(station.nodes, [this](std::size_t node) { return !node_items_[node].taken; });
-}
-
-void Reader::move_origin() {
-  if (document_.nodes.empty()) return;
-  Point2 low = document_.nodes.front().at;
-  Point2 high = low;
-  for (const Node& node : document_.nodes) {
-    low = {std::min(low.x_m, node.at.x_m), std::min(low.y_m, node.at.y_m)};
-    high = {std::max(high.x_m, node.at.x_m), std::max(high.y_m, node.at.y_m)};
-  }
-  const auto far = [](Point2 p) { return std::max(std::fabs(p.x_m), std::fabs(p.y_m)) > coordinate_max_m; };
-  if (!far(low) && !far(high)) return;
-  // Whole kilometres, so that coordinates remain easy to compare.
-  const auto kilometres = [](double a, double b) { return 1000.0 * std::round(0.5 * (a + b) / 1000.0); };
-  const Point2 origin{kilometres(low.x_m, high.x_m), kilometres(low.y_m, high.y_m)};
-  for (Node& node : document_.nodes) node.at = {node.at.x_m - origin.x_m, node.at.y_m - origin.y_m};
-  for (Edge& edge : document_.edges) {
-    if (!edge.trajectory) continue;
-    for (Point2& point : edge.trajectory->points) point = {point.x_m - origin.x_m, point.y_m - origin.y_m};
-  }
-  const auto whole = [](double value) { return std::to_string(static_cast<long long>(value)); };
-  diagnostics_.add(mended, "layouts",
-                   "coordinates beyond 100 km: the zone's origin is the file's (" + whole(origin.x_m) + " m, " +
-                       whole(origin.y_m) + " m)");
 }
 
 }  // namespace

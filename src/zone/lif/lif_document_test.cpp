@@ -404,7 +404,8 @@ TEST(LifDocument, refuses_what_is_no_lif_at_all) {
   EXPECT_EQ(read_json("[]").error(), "expected an object with metaInformation and layouts");
   EXPECT_EQ(read_json("{}").error(), "layouts: expected a list of at least one layout, found none");
   EXPECT_EQ(read_json("{'layouts':[]}").error(), "layouts: expected a list of at least one layout, found none");
-  EXPECT_THAT(read_json("{'origins':[],'layouts':[]}").error(), HasSubstr("origins: expected a list of layouts"));
+  EXPECT_THAT(read_json("{'origins':[],'layouts':[]}").error(),
+              HasSubstr("origins: expected a list of at least one layout"));
 }
 
 TEST(LifDocument, takes_the_vehicle_type_with_most_edges_that_it_may_use) {

@@ -6,7 +6,7 @@ namespace cosiva::zone {
 
 inline constexpr std::size_t lif_bytes_max = 64U << 20U;
 
-/// VDMA LIF 1.0, the Layout Interchange Format: docs/guide/zones.md states which parts are read.
+/// VDMA LIF, the Layout Interchange Format, 1.0 and the draft of 2.0: docs/guide/zones.md states which parts are read.
 class LifCircuitFactory final : public CircuitFactory {
  public:
   [[nodiscard]] std::string_view format() const override { return "lif"; }

@@ -26,6 +26,13 @@ std::optional<double> number_in(std::string text) {
 
 }  // namespace
 
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return text;
+}
+
 const JsonValue* LifFields::find(std::string_view key) const {
   const JsonValue* value = value_->find(key);
   return value == nullptr || value->is_null() ? nullptr : value;
@@ -108,8 +115,16 @@ void LifFields::known(std::initializer_list<std::string_view> keys) const {
   for (const auto& [name, member] : *members) {
     if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
     const std::string shown = name.substr(0, 64);
-    record(Diagnostic::Kind::lost, shown, "'" + shown + "' is no field of LIF 1.0; not taken");
+    record(Diagnostic::Kind::lost, shown,
+           "'" + shown + "' is no field of LIF " + diagnostics_->version() + "; not taken");
   }
+}
+
+void LifFields::lose(std::string_view key, std::string_view why) const {
+  if (!has(key)) return;
+  std::string text = "'";
+  text.append(key).append("' is not taken: ").append(why);
+  record(Diagnostic::Kind::lost, key, std::move(text));
 }
 
 void LifFields::record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort) const {

@@ -11,6 +11,9 @@
 
 namespace cosiva::zone::lif {
 
+/// A text of a file without control characters, as it is displayed and sent in messages.
+[[nodiscard]] std::string printable(std::string text);
+
 /// One object of a file, read field by field and never refused: a value in another form than the standard's is accepted
 /// if its meaning is clear, with a diagnostic. A field that is absent or null does not exist.
 class LifFields {
@@ -39,6 +42,8 @@ class LifFields {
 
   /// Reports all other fields as lost.
   void known(std::initializer_list<std::string_view> keys) const;
+  /// Reports a field that is present as lost.
+  void lose(std::string_view key, std::string_view why) const;
   void record(Diagnostic::Kind kind, std::string_view key, std::string text, std::string sort = {}) const;
   [[nodiscard]] std::string location(std::string_view key = {}) const;
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/lif/lif_fixture.h"
 
 namespace cosiva::zone::lif {
@@ -71,6 +72,29 @@ TEST(LifFiles, are_22_and_all_are_read) {
     EXPECT_TRUE(zone) << entry.path() << ": " << to_string(zone.error());
   }
   EXPECT_EQ(count, 22U);
+}
+
+/// The first file of a folder whose name begins so.
+std::string name_of(const std::filesystem::path& folder, const std::string& begin) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with(begin)) return entry.path().filename().string();
+  ADD_FAILURE() << folder << " has no " << begin;
+  return {};
+}
+
+// The draft of 2.0 has the examples of 1.0 with its own properties.
+TEST(LifFiles, of_the_draft_of_version_2_become_the_same_zones_as_their_counterparts) {
+  for (int number = 1; number <= 19; ++number) {
+    const std::string digits = (number < 10 ? "0" : "") + std::to_string(number);
+    const TrafficZone first = read_file(name_of(testdata(), "10." + digits));
+    const TrafficZone second = read_file("2.0-draft/" + name_of(testdata() / "2.0-draft", "11." + digits));
+    EXPECT_EQ(second.stations.size(), first.stations.size()) << number;
+    EXPECT_EQ(second.circuit.size(), first.circuit.size()) << number;
+    EXPECT_TRUE(same_geometry(second, first)) << number;
+    for (std::size_t i = 0; i < first.stations.size(); ++i)
+      EXPECT_EQ(second.stations[i].name, first.stations[i].name) << number;
+    EXPECT_EQ(diagnostic_with(second, "is no field of LIF"), nullptr) << number;
+  }
 }
 
 TEST(LifFiles, report_what_was_repaired) {

@@ -13,8 +13,8 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(Formats, are_toml_lif_and_opendrive) {
-  EXPECT_THAT(known_formats(), ElementsAre("toml", "lif", "opendrive"));
+TEST(Formats, are_toml_lif_opendrive_and_movingai) {
+  EXPECT_THAT(known_formats(), ElementsAre("toml", "lif", "opendrive", "movingai"));
   for (const std::string_view format : known_formats()) {
     const auto factory = circuit_factory_for(format);
     ASSERT_TRUE(factory) << format;
@@ -23,20 +23,21 @@ TEST(Formats, are_toml_lif_and_opendrive) {
   const auto none = circuit_factory_for("c" + std::string(60, 'a'));
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, "zone.format");
-  EXPECT_EQ(none.error().message,
-            "no circuit factory for the format 'c" + std::string(39, 'a') + "'; known formats: toml, lif, opendrive");
+  EXPECT_EQ(none.error().message, "no circuit factory for the format 'c" + std::string(39, 'a') +
+                                      "'; known formats: toml, lif, opendrive, movingai");
 }
 
 TEST(Formats, are_recognised_by_the_ending_of_a_file_s_name) {
   EXPECT_EQ(format_of_file("zones/a.toml"), "toml");
   EXPECT_EQ(format_of_file("a.lif.json"), "lif");
   EXPECT_EQ(format_of_file("a.b.xodr"), "opendrive");
+  EXPECT_EQ(format_of_file("maps/a.map"), "movingai");
   const auto none = format_of_file("a.dxf");
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, "zone.format");
   EXPECT_EQ(none.error().location, "a.dxf");
   EXPECT_TRUE(none.error().message.starts_with("a zone's file ends with one of .toml, .lif")) << none.error().message;
-  EXPECT_TRUE(none.error().message.ends_with(".xodr")) << none.error().message;
+  EXPECT_TRUE(none.error().message.ends_with(".xodr, .map")) << none.error().message;
 }
 
 TEST(Formats, other_than_the_native_one_have_a_sidecar_file) {
@@ -44,6 +45,19 @@ TEST(Formats, other_than_the_native_one_have_a_sidecar_file) {
   EXPECT_EQ(sidecar_of_file("a.lif.json"), "a.zone.toml");
   EXPECT_EQ(sidecar_of_file("a.toml"), std::nullopt);
   EXPECT_EQ(sidecar_of_file("a.dxf"), std::nullopt);
+}
+
+TEST(Formats, of_squares_have_a_pitch_which_the_sidecar_file_keeps) {
+  const ZoneConfiguration map{"movingai", "a.map", "height 1\nwidth 2\nmap\n..\n", ""};
+  const auto wider = with_pitch(map, 2.5);
+  ASSERT_TRUE(wider);
+  const auto rtm = Rtm::initialise(*wider);
+  ASSERT_TRUE(rtm) << to_string(rtm.error());
+  EXPECT_EQ(rtm->zone().circuit.section(0).length_m(), 2.5);
+  const auto other = with_pitch({"lif", "a.lif.json", "{}", ""}, 2.5);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, "zone.format");
+  EXPECT_EQ(other.error().location, "a.lif.json");
 }
 
 TEST(Formats, that_are_unknown_are_a_fault_at_the_file_s_origin) {

@@ -67,8 +67,10 @@ TEST(ReadyZones, have_no_position_where_vehicles_come_to_wait_for_each_other_unl
     for (const Problem& spot : deadlock_spots(rtm->zone())) {
       EXPECT_EQ(spot.severity, Problem::Severity::notice);
       if (spot.code == "deadlock.loop") ++loops;
-      // A workshop's stations are left in the direction of entry.
-      const bool expected = spot.code == "deadlock.loop" || spot.code == "deadlock.dead_end";
+      // A workshop's stations are left in the direction of entry. On a map of squares every track is driven both ways,
+      // and there is no room between crossings: only a planner of the whole fleet leads vehicles over it.
+      const bool expected = spot.code == "deadlock.loop" || spot.code == "deadlock.dead_end" ||
+                            (spot.code == "deadlock.no_room" && configuration.format == "movingai");
       EXPECT_TRUE(expected) << configuration.origin << ": " << to_string(spot, rtm->zone());
     }
     EXPECT_GE(loops, 1U) << configuration.origin;

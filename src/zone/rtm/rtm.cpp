@@ -4,20 +4,23 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/zone/lif/lif_factory.h"
+#include "cosiva/zone/movingai/movingai_factory.h"
 #include "cosiva/zone/opendrive/opendrive_factory.h"
 #include "cosiva/zone/toml/sidecar.h"
 #include "cosiva/zone/toml/toml_edit.h"
 #include "cosiva/zone/toml/toml_factory.h"
+#include "cosiva/zone/toml/toml_node.h"
 
 namespace cosiva::zone {
 
 namespace {
 
-const std::array<const CircuitFactory*, 3>& factories() {
+const std::array<const CircuitFactory*, 4>& factories() {
   static const TomlCircuitFactory toml;
   static const LifCircuitFactory lif;
   static const OpenDriveCircuitFactory open_drive;
-  static const std::array<const CircuitFactory*, 3> all{&toml, &lif, &open_drive};
+  static const MovingAiCircuitFactory moving_ai;
+  static const std::array<const CircuitFactory*, 4> all{&toml, &lif, &open_drive, &moving_ai};
   return all;
 }
 
@@ -32,6 +35,17 @@ std::string joined(const std::vector<std::string_view>& terms) {
   std::string text;
   for (const std::string_view word : terms) text.append(text.empty() ? "" : ", ").append(word);
   return text;
+}
+
+Result<ZoneConfiguration> with_squares(const ZoneConfiguration& configuration, std::string_view key,
+                                       const std::string& value) {
+  const MovingAiCircuitFactory squares;
+  if (configuration.format != squares.format())
+    return fail("zone.format",
+                "only a map of squares (" + joined(squares.file_endings()) +
+                    ") has a pitch, or stations distributed over it; in other formats they are part of the layout",
+                configuration.origin);
+  return with_import(configuration, key, value);
 }
 
 }  // namespace
@@ -82,6 +96,14 @@ Result<ZoneConfiguration> edited(const ZoneConfiguration& configuration, const Z
 
 Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configuration, TravelDirection direction) {
   return with_travel_direction(configuration, direction);
+}
+
+Result<ZoneConfiguration> with_pitch(const ZoneConfiguration& configuration, double pitch_m) {
+  return with_squares(configuration, "scale", toml_number(pitch_m));
+}
+
+Result<ZoneConfiguration> with_stations(const ZoneConfiguration& configuration, std::uint32_t stations) {
+  return with_squares(configuration, "stations", std::to_string(stations));
 }
 
 std::uint64_t Rtm::initialised_count() { return initialised; }

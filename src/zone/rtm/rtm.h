@@ -43,6 +43,12 @@ namespace cosiva::zone {
 [[nodiscard]] Result<ZoneConfiguration> in_travel_direction(const ZoneConfiguration& configuration,
                                                             TravelDirection direction);
 
+/// The configuration of a map of squares with another side of its squares, or with so many stations distributed over
+/// it: [import] scale and stations in its sidecar file. Fails ("zone.format") for any other format, and ("zone.syntax")
+/// where the sidecar file is no TOML.
+[[nodiscard]] Result<ZoneConfiguration> with_pitch(const ZoneConfiguration& configuration, double pitch_m);
+[[nodiscard]] Result<ZoneConfiguration> with_stations(const ZoneConfiguration& configuration, std::uint32_t stations);
+
 /// The real-time module (A22): a file on the physical side, a queryable object on the virtual one. It initialises
 /// itself from the configuration and serves requests about zone, circuit and sections.
 class Rtm {

@@ -13,15 +13,18 @@ namespace cosiva::zone {
 namespace {
 
 constexpr std::size_t limits_max = 200'000;
+constexpr std::int64_t stations_max = 20'000;
 constexpr std::size_t tight_bends_logged = 20;
 
 void read_import(const TomlFields& root, Sidecar& sidecar) {
   const auto fields = root.table("import");
   if (!fields) return;
-  fields->expect_only({"scale", "layout", "vehicle_type", "lane_types", "tolerance_m", "tolerance_rad"});
+  fields->expect_only({"scale", "layout", "vehicle_type", "lane_types", "tolerance_m", "tolerance_rad", "stations"});
   sidecar.scale = fields->number("scale", {"metres per unit of the file, 0.000001 to 1000000", 1e-6, 1e6}, 1.0);
   sidecar.tolerance_m = fields->number("tolerance_m", {"metres from 0.000001 to 1", 1e-6, 1.0}, 1e-3);
   sidecar.tolerance_rad = fields->number("tolerance_rad", {"radians from 0.000001 to 0.2", 1e-6, 0.2}, 1e-3);
+  if (fields->has("stations"))
+    sidecar.stations = static_cast<std::uint32_t>(fields->whole("stations", 0, stations_max));
   sidecar.layout = fields->optional_name("layout");
   sidecar.vehicle_type = fields->optional_name("vehicle_type");
   sidecar.lane_types = fields->names("lane_types");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,6 +40,7 @@ struct Sidecar {
   double scale{1.0};                                   ///< metres per unit of the file
   double tolerance_m{1e-3};                            ///< of fits
   double tolerance_rad{1e-3};                          ///< of fits
+  std::optional<std::uint32_t> stations;               ///< to be distributed over a map that has none
   std::optional<std::string> layout;                   ///< the selected one of a file that holds several
   std::optional<std::string> vehicle_type;             ///< the type whose edges and properties are taken
   std::optional<std::vector<std::string>> lane_types;  ///< the types of a road's lanes that vehicles drive on

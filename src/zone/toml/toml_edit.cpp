@@ -8,6 +8,7 @@
 #include "cosiva/zone/edit/edit.h"
 #include "cosiva/zone/layout/rounding.h"
 #include "cosiva/zone/toml/sidecar.h"
+#include "cosiva/zone/toml/toml_factory.h"
 #include "cosiva/zone/toml/toml_fields.h"
 #include "cosiva/zone/toml/toml_node.h"
 
@@ -359,6 +360,33 @@ Result<ZoneConfiguration> with_travel_direction(const ZoneConfiguration& configu
     text.insert(at, (ends ? "" : newline) + "travel_direction = " + value + newline);
   } catch (const std::exception& error) {
     return fail("zone.syntax", std::string("cannot be read: ") + error.what(), origin);
+  }
+  return result;
+}
+
+Result<ZoneConfiguration> with_import(const ZoneConfiguration& configuration, std::string_view key,
+                                      const std::string& value) {
+  ZoneConfiguration result = configuration;
+  std::string& text = result.sidecar;
+  try {
+    const Reading reading{text};
+    const std::string newline{reading.newline()};
+    const toml::table* table = reading.root().get_as<toml::table>("import");
+    if (const toml::node* present = table == nullptr ? nullptr : table->get(key)) {
+      const auto [begin, end, replacement] = reading.replace(*present, value);
+      text.replace(begin, end - begin, replacement);
+    } else if (table != nullptr && reading.has_header(*table)) {
+      text.insert(reading.line_begin(table->source().begin.line + 1), std::string{key} + " = " + value + newline);
+    } else if (table != nullptr) {
+      return fail("zone.syntax",
+                  "[import] has no header of its own; give it one, or state " + std::string{key} + " there",
+                  sidecar_file(configuration.origin));
+    } else {
+      end_last_line(text, newline);
+      text += "[import]" + newline + std::string{key} + " = " + value + newline;
+    }
+  } catch (const std::exception& error) {
+    return fail("zone.syntax", std::string("cannot be read: ") + error.what(), sidecar_file(configuration.origin));
   }
   return result;
 }

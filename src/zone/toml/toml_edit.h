@@ -20,4 +20,10 @@ namespace cosiva::zone {
 [[nodiscard]] Result<ZoneConfiguration> with_travel_direction(const ZoneConfiguration& configuration,
                                                               TravelDirection direction);
 
+/// The configuration with this key of [import] in its sidecar file, which is created where there is none. Fails
+/// ("zone.syntax") where that text is no TOML.
+/// @param value  as TOML
+[[nodiscard]] Result<ZoneConfiguration> with_import(const ZoneConfiguration& configuration, std::string_view key,
+                                                    const std::string& value);
+
 }  // namespace cosiva::zone

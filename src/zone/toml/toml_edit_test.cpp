@@ -137,5 +137,24 @@ TEST(TomlEdit, changes_nothing_without_a_change) {
   EXPECT_EQ(text_after(before, {}), before);
 }
 
+std::string sidecar_with_scale(const std::string& sidecar, const std::string& scale = "0.5") {
+  const auto result = with_import({"movingai", "a.map", "", sidecar}, "scale", scale);
+  return result ? result->sidecar : "refused: " + to_string(result.error());
+}
+
+TEST(Import, has_a_key_that_is_written_into_the_sidecar_file_wherever_that_has_room_for_it) {
+  EXPECT_EQ(sidecar_with_scale(""), "[import]\nscale = 0.5\n");
+  EXPECT_EQ(sidecar_with_scale("name = \"a\""), "name = \"a\"\n[import]\nscale = 0.5\n");
+  EXPECT_EQ(sidecar_with_scale("[import]\nlayout = \"b\"\n"), "[import]\nscale = 0.5\nlayout = \"b\"\n");
+  EXPECT_EQ(sidecar_with_scale("[import] # squares\nscale = 3 # m\n[vehicle]\n", "1.25"),
+            "[import] # squares\nscale = 1.25 # m\n[vehicle]\n");
+  EXPECT_EQ(sidecar_with_scale("import = { scale = 3 }\n"), "import = { scale = 0.5 }\n");
+}
+
+TEST(Import, has_no_line_for_a_key_in_a_table_without_a_header) {
+  EXPECT_THAT(sidecar_with_scale("import = { layout = \"b\" }\n"), StartsWith("refused: a.zone.toml: "));
+  EXPECT_THAT(sidecar_with_scale("[import\n"), StartsWith("refused: a.zone.toml: cannot be read"));
+}
+
 }  // namespace
 }  // namespace cosiva::zone

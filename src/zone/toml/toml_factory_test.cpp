@@ -370,7 +370,7 @@ TEST(Rtm, of_an_unknown_format_names_the_known_ones) {
   ASSERT_FALSE(rtm);
   EXPECT_EQ(rtm.error().code, "zone.format");
   EXPECT_EQ(rtm.error().location, "test.xodr");
-  EXPECT_THAT(rtm.error().message, HasSubstr("known formats: toml, lif, opendrive"));
+  EXPECT_THAT(rtm.error().message, HasSubstr("known formats: toml, lif, opendrive, movingai"));
 }
 
 }  // namespace
