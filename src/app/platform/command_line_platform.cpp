@@ -269,6 +269,10 @@ void describe_aiv(Command command, AivArguments& aiv) {
   command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
       .value_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: fuzzy");
+  command
+      .add_option("--vehicle-file", aiv.vehicle_file,
+                  "its load positions and actions (docs/guide/vehicle-file.md); without: the usual ones")
+      .value_name("FILE");
   command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_switch("--rali", aiv.rali, "it has the board RALI; without, its charge is unknown");
   add_direct(command, aiv.direct);
