@@ -77,9 +77,7 @@ struct OnboardCore::Parts {
         positions{options},
         v2x{options.id, options.v2x, v2x_mode_of(options)},
         drive_cycle{supervision, perception, v2x, boards, server_proxy},
-        actions{{options.actions, reporter},
-                ActionExecutor{{server_proxy, reporter, positions, drive_cycle, zones, server, boards,
-                                actions.of_order.actions()}}},
+        actions{*this},
         orders{{server_proxy, reporter, actions.instant, drive_cycle, zones, actions.of_order}, options.cycle} {}
 
   void archive(Archive& archive);
@@ -135,6 +133,11 @@ struct OnboardCore::Parts {
   VirtualPerception perception;
   DriveCycle drive_cycle;
   struct Actions {
+    /// @param parts  all that are declared before the actions
+    explicit Actions(Parts& parts)
+        : of_order{parts.options.actions, parts.reporter},
+          instant{{parts.server_proxy, parts.reporter, parts.positions, parts.drive_cycle, parts.zones, parts.server,
+                   parts.boards, of_order.actions()}} {}
     ActionCycle of_order;
     ActionExecutor instant;
   };
