@@ -1,5 +1,7 @@
 #include "cosiva/aiv/onboard/action_cycle.h"
 
+#include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "cosiva/base/archive.h"
@@ -36,6 +38,18 @@ void ActionCycle::run(SimTime now, DrivingContext& context, wire::Effects& effec
   }
   if (actions_.take_changed()) reporter_.request_report();
   COSIVA_EXPECT(vehicle.holds().has(Hold::action) == actions_.holds_vehicle());
+}
+
+void ActionCycle::fold(Digest& digest) const {
+  for (const wire::ActionState& state : actions_.states()) {
+    digest.add(std::string_view{state.action_id});
+    digest.add(static_cast<std::uint64_t>(state.status));
+  }
+  for (const wire::Load& load : actions_.loads().loads()) {
+    digest.add(std::string_view{load.load_id});
+    digest.add(std::string_view{load.load_position});
+  }
+  if (actions_.charging()) digest.add(std::uint64_t{1});
 }
 
 void ActionCycle::archive(Archive& archive) { archive(actions_, traversed_); }

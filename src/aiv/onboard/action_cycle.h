@@ -6,6 +6,7 @@
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/order/order_actions.h"
 #include "cosiva/base/archive_fwd.h"
+#include "cosiva/base/digest.h"
 #include "cosiva/wire/runtime/core.h"
 
 namespace cosiva::aiv {
@@ -26,7 +27,8 @@ class ActionCycle {
   void on_zone_switched() { actions_.cancel("the zone was switched"); }
   [[nodiscard]] OrderActions& actions() { return actions_; }
   [[nodiscard]] const OrderActions& actions() const { return actions_; }
-  void archive(Archive& archive);  ///< the state, for a snapshot
+  void fold(Digest& digest) const;  ///< nothing without actions, loads and charging
+  void archive(Archive& archive);   ///< the state, for a snapshot
 
  private:
   OrderActions actions_;

@@ -500,6 +500,7 @@ void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
 void OnboardCore::fold(Digest& digest) const {
   digest.add(std::string_view{parts_->options.id.serial_number});
   digest.add(std::uint64_t{parts_->context != nullptr});
+  parts_->actions.of_order.fold(digest);
   if (!parts_->context) return;
   const DrivingContext& context = *parts_->context;
   const VehicleState& vehicle = context.vehicle();

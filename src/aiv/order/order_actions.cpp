@@ -50,12 +50,8 @@ void OrderActions::append(const wire::Order& order, std::size_t first_node) {
     add(edge.actions, edge.edge_id, edge.sequence_id, edge.released);
   }
   COSIVA_EXPECT(std::ranges::is_sorted(entries_, {}, &Entry::sequence_id));
-  const auto has_ended = [](const Entry& entry) { return ended(entry.status); };
-  while (entries_.size() > shown_max) {
-    const auto oldest = std::ranges::find_if(entries_, has_ended);
-    if (oldest == entries_.end()) break;
-    entries_.erase(oldest);
-  }
+  std::size_t beyond = entries_.size() - std::min(entries_.size(), shown_max);
+  std::erase_if(entries_, [&beyond](const Entry& entry) { return ended(entry.status) && beyond > 0 && beyond-- > 0; });
 }
 
 void OrderActions::on_new_order(const wire::Order& order) {
