@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include <array>
 #include <chrono>
@@ -528,6 +529,96 @@ TEST_F(OrderActionsTest, continue_from_a_snapshot_as_from_the_original) {
     ASSERT_EQ(copy.states(), actions.states()) << i;
   }
   EXPECT_EQ(status("2"), "finished");
+}
+
+// --- any order ----------------------------------------------------------------------------------------------------
+
+/// An order of up to six nodes with up to three actions at each node and on each edge.
+OrderText any_order() {
+  OrderText text = order("O-1").through({"a", "b", "c", "d", "e", "f"});
+  int next_id = 0;
+  const auto some = [&next_id](const std::vector<std::string>& types) {
+    std::vector<wire::Action> actions;
+    for (int left = *rc::gen::inRange(0, 4); left > 0; --left)
+      actions.push_back(act(*rc::gen::elementOf(types), std::to_string(next_id++),
+                            *rc::gen::elementOf(std::vector{none, soft, hard})));
+    return actions;
+  };
+  for (std::size_t i = 0; i < text.order().nodes.size(); ++i) {
+    text.node(i).actions = some({"pick", "drop", "noop", "polish", "waitForTrigger", "startCharging", "detectObject"});
+    if (i < text.order().edges.size()) text.edge(i).actions = some({"pick", "noop", "polish", "detectObject"});
+  }
+  return text;
+}
+
+/// Drives the order: stops at nodes where the actions keep the vehicle, three cycles after its arrival.
+struct AnyDrive {
+  OrderText text;
+  OrderActions actions{catalogue()};
+  SimTime now{virtual_epoch};
+  std::size_t node{0};    ///< traversed last
+  int edge_cycles{0};     ///< left on the edge behind it; 0: at the node
+  int braking_cycles{0};  ///< left until the vehicle has stopped
+  bool paused{false};
+
+  [[nodiscard]] bool stopped() const { return edge_cycles == 0 && braking_cycles == 0; }
+  void cycle() {
+    if (braking_cycles > 0) --braking_cycles;
+    if (edge_cycles > 0 && --edge_cycles == 0) {
+      braking_cycles = 3;
+      actions.on_traversed(text.node(++node).sequence_id);
+    }
+    actions.update({now, stopped(), paused, 0.0});
+    now += milliseconds{20};
+    check();
+    if (edge_cycles == 0 && !actions.keep_here() && node + 1 < text.order().nodes.size())
+      edge_cycles = *rc::gen::inRange(1, 200);
+  }
+
+ private:
+  static bool performed(ActionStatus status) {
+    return status == ActionStatus::initializing || status == ActionStatus::running || status == ActionStatus::paused;
+  }
+  void check() {
+    const auto states = actions.states();
+    std::size_t at = 0;
+    int performs = 0;
+    bool performs_hard = false;
+    const auto check_list = [&](const std::vector<wire::Action>& list, bool here) {
+      bool waits = false;
+      for (const wire::Action& each : list) {
+        const ActionStatus status = states.at(at++).status;
+        if (waits) RC_ASSERT(status == ActionStatus::waiting || status == ActionStatus::failed);
+        waits = waits || status == ActionStatus::waiting;
+        if (!performed(status)) continue;
+        ++performs;
+        performs_hard = performs_hard || each.blocking_type == hard;
+        RC_ASSERT(here);
+        if (each.blocking_type != none) RC_ASSERT(stopped() && actions.holds_vehicle());
+      }
+    };
+    for (std::size_t i = 0; i < text.order().nodes.size(); ++i) {
+      check_list(text.node(i).actions, i <= node);
+      if (i < text.order().edges.size()) check_list(text.edge(i).actions, i == node);
+    }
+    if (performs_hard) RC_ASSERT(performs == 1);
+  }
+};
+
+TEST(OrderActionsOfAnyOrder, par_6_12_keep_their_sequence_and_their_blocking_types_and_end) {
+  EXPECT_TRUE(rc::check([] {
+    AnyDrive drive{any_order()};
+    drive.actions.on_new_order(drive.text);
+    for (int i = 0; i < 30'000 && (drive.actions.left() || drive.node < 5); ++i) {
+      if (i % 250 == 0) {
+        (void)drive.actions.trigger("");
+        drive.paused = *rc::gen::weightedElement<bool>({{3, false}, {1, true}});
+      }
+      drive.cycle();
+    }
+    RC_ASSERT(drive.node == 5U);
+    RC_ASSERT(!drive.actions.left());
+  }));
 }
 
 }  // namespace

@@ -266,7 +266,7 @@ void describe_aiv(Command command, AivArguments& aiv) {
   command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker").value_name("NAME|FILE");
   command.add_option("--start", aiv.start, "initial position, such as east:0.85; without: waits for a position")
       .value_name("SECTION:S");
-  command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
+  command.add_option("--state-file", aiv.state_file, "preserves its position and loads over a crash; overrides --start")
       .value_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: fuzzy");
   command
