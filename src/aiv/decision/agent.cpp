@@ -28,12 +28,13 @@ constexpr double perceived_ends_mps = 0.002;
 
 }  // namespace
 
-Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy, Lateness late)
+Agent::Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy, Lateness late,
+             ActionCatalogue catalogue)
     : zone_{zone},
       speed_policy_{speed_policy ? std::move(speed_policy) : std::make_unique<CrispSpeedPolicy>()},
       envelope_{zone, late},
       one_way_{one_way_only(zone.circuit)},
-      vehicle_{zone, one_way_} {}
+      vehicle_{zone, one_way_, std::move(catalogue)} {}
 
 void Agent::on_odometry(const wire::Odometry& odometry) {
   vehicle_.on_odometry(odometry, decision_.drive.speed_mmps > 0 && !decision_.drive.seek);
@@ -90,11 +91,14 @@ Agent::Plan Agent::plan(double room_m, double base_end_m) const {
   if (!position.known()) return {target_speed, {0.0, target_speed.braking_mps2}, std::nullopt};
   if (position.near_path() && target_speed.speed_mps > zone_.profiles.slow.speed_mps)
     target_speed = zone_.profiles.slow;
+  const OrderProgress& progress = vehicle_.progress();
+  const double path_left_m = std::min(progress.move_left_m(), progress.stop_left_m());
   // While the vehicle joins the path no order leads it, and its speed is the manoeuvre's.
-  Limit limit = vehicle_.joining() ? envelope_.limit_off_path(obstacle_m, target_speed)
-                                   : envelope_.limit({position.outlook(), speed_mps, obstacle_m, vehicle_.order(),
-                                                      barrier_m_, vehicle_.progress().move_left_m()},
-                                                     target_speed);
+  Limit limit =
+      vehicle_.joining()
+          ? envelope_.limit_off_path(obstacle_m, target_speed)
+          : envelope_.limit({position.outlook(), speed_mps, obstacle_m, vehicle_.order(), barrier_m_, path_left_m},
+                            target_speed);
   if (limit.speed_mps > 0.0 && !vehicle_.watch().may_sweep(position, limit.bend_ahead_m)) {
     limit.speed_mps = 0.0;
     limit.by_obstacle = true;

@@ -39,8 +39,9 @@ class Agent {
  public:
   /// @param zone          must outlive the agent
   /// @param speed_policy  the decision that may be fuzzy; the envelope above it is not. Null: the crisp rules
-  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr,
-                 Lateness late = {});
+  /// @param catalogue     the actions of orders that the vehicle performs
+  explicit Agent(const zone::TrafficZone& zone, std::unique_ptr<SpeedPolicy> speed_policy = nullptr, Lateness late = {},
+                 ActionCatalogue catalogue = {});
 
   [[nodiscard]] const zone::TrafficZone& zone() const { return zone_; }
 

@@ -128,7 +128,7 @@ Limit Envelope::limit(const View& view, const zone::SpeedProfile& target_speed) 
     if (view.barrier_m < end_m) end_m = std::max(0.0, view.barrier_m - stop_line_m);
   }
   // Whether a crossing may be entered is the order's matter; within it a commanded move may end anywhere.
-  end_m = std::min(end_m, std::max(0.0, view.move_left_m));
+  end_m = std::min(end_m, std::max(0.0, view.path_left_m));
   limit.end_m = end_m;
   const double obstacle_m = view.obstacle_ahead_m - clearance_m;
 

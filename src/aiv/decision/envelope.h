@@ -73,8 +73,8 @@ class Envelope {
     /// To the first crossing that the vehicles have not agreed upon yet (CrossingNegotiation); infinite: the order
     /// alone determines which crossings the vehicle may enter.
     double barrier_m{std::numeric_limits<double>::infinity()};
-    /// To the end of a commanded move (OrderProgress); infinite: none is commanded.
-    double move_left_m{std::numeric_limits<double>::infinity()};
+    /// To the end of a commanded move, or to a stop for actions (OrderProgress); infinite: neither is near.
+    double path_left_m{std::numeric_limits<double>::infinity()};
   };
   /// @param target_speed  the profile's kinematics; its speed may be lower than the profile's
   [[nodiscard]] Limit limit(const View& view, const zone::SpeedProfile& target_speed) const;

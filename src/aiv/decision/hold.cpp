@@ -13,6 +13,7 @@ std::string_view to_string(Hold hold) {
     case Hold::board_faulty: return "board faulty";
     case Hold::line_lost: return "line lost";
     case Hold::zone_change: return "zone change";
+    case Hold::action: return "action";
   }
   return "?";
 }

@@ -16,6 +16,7 @@ enum class Hold : std::uint8_t {
   board_faulty = 1U << 4U,  ///< a board that drives the vehicle reports that it is broken
   line_lost = 1U << 5U,     ///< no line under the sensors
   zone_change = 1U << 6U,   ///< another zone comes into force as soon as the vehicle has stopped
+  action = 1U << 7U,        ///< an action of the order runs during which the vehicle must not drive
 };
 [[nodiscard]] std::string_view to_string(Hold hold);
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cosiva/aiv/order/order_book.h"
@@ -12,10 +15,13 @@ namespace cosiva::aiv {
 /// The vehicle's order while the vehicle drives: the nodes traversed, a cancelOrder that waits until the vehicle has
 /// stopped, and an order lost because the position proved wrong.
 /// A move is in no snapshot: it is commanded by an experiment, which repeats its run after a restart.
-/// Invariant: a cancelOrder is pending only after an order was active; no order is accepted meanwhile.
+/// A node with SOFT or HARD actions (VDA 5050 2.1 §6.12) is a stop until end_stop().
+/// Invariant: a cancelOrder is pending only after an order was active or had actions left; no order is accepted
+/// meanwhile.
 class OrderProgress {
  public:
-  explicit OrderProgress(const zone::TrafficZone& zone) : book_{zone} {}
+  explicit OrderProgress(const zone::TrafficZone& zone, ActionCatalogue catalogue = {})
+      : book_{zone, std::move(catalogue)} {}
 
   /// As OrderBook::offer(); fails ("orderUpdateError") while a cancelOrder is pending.
   [[nodiscard]] Result<OrderBook::Verdict> offer(const wire::Order& order, const OrderBook::StartState& reference);
@@ -25,7 +31,8 @@ class OrderProgress {
   /// there. An order that does not contain the position is dropped, and take_lost() reports it.
   [[nodiscard]] bool relocate(const zone::TrackPosition* position);
   /// False: there is no order to cancel.
-  [[nodiscard]] bool begin_cancel();
+  /// @param actions_left  actions of the order have not ended
+  [[nodiscard]] bool begin_cancel(bool actions_left = false);
   [[nodiscard]] bool cancelling() const { return cancelling_; }
   /// The vehicle has stopped: drops the order whose cancellation is pending.
   void end_cancel();
@@ -37,6 +44,13 @@ class OrderProgress {
   [[nodiscard]] bool moving() const {
     return move_left_m_ < unlimited_m;
   }  ///< a move is commanded, or has been reached
+  /// To the next node on the base at which the vehicle stops for actions, or where it has stopped for them; infinite:
+  /// there is none.
+  [[nodiscard]] double stop_left_m() const { return std::max(0.0, stop_path_m_ - book_.travelled_m()); }
+  /// The vehicle has stopped at this node for actions, or is about to.
+  [[nodiscard]] bool at_stop() const { return at_stop_; }
+  /// The actions have ended.
+  void end_stop();
   void set_last_node(std::string node_id) { book_.set_last_node(std::move(node_id)); }
   /// As OrderBook::take_over_ids().
   void take_over_ids(const OrderProgress& before) { book_.take_over_ids(before.book_); }
@@ -50,8 +64,14 @@ class OrderProgress {
 
  private:
   static constexpr double unlimited_m = std::numeric_limits<double>::infinity();
+  /// The next stop for actions on the remaining base.
+  void find_stop();
+
   OrderBook book_;
   double move_left_m_{unlimited_m};
+  double stop_path_m_{unlimited_m};    ///< along the order from its first node
+  std::uint32_t stop_sequence_id_{0};  ///< of the node there
+  bool at_stop_{false};                ///< the node there is traversed
   bool cancelling_{false};
   bool lost_{false};
   std::vector<wire::OrderNode> traversed_;

@@ -42,8 +42,8 @@ Result<zone::TrackPosition> entry_position(const zone::TrafficZone& zone, const 
 
 }  // namespace
 
-VehicleState::VehicleState(const zone::TrafficZone& zone, bool one_way)
-    : zone_{zone}, one_way_{one_way}, estimator_{zone}, progress_{zone}, watch_{zone, one_way} {}
+VehicleState::VehicleState(const zone::TrafficZone& zone, bool one_way, ActionCatalogue catalogue)
+    : zone_{zone}, one_way_{one_way}, estimator_{zone}, progress_{zone, std::move(catalogue)}, watch_{zone, one_way} {}
 
 void VehicleState::on_odometry(const wire::Odometry& odometry, bool driving) {
   COSIVA_EXPECT(!back_up_.active() || !order().active());
@@ -130,7 +130,7 @@ Result<void> VehicleState::begin_back_up(double distance_m) {
   return {};
 }
 
-Result<OrderBook::Verdict> VehicleState::take_order(const wire::Order& order) {
+Result<OrderBook::Verdict> VehicleState::take_order(const wire::Order& order, bool actions_left) {
   // A pending cancelOrder refuses any order, wherever the vehicle is.
   if (progress_.cancelling()) return progress_.offer(order, {});
   if (estimator_.pose_known() && !estimator_.known()) {
@@ -138,8 +138,8 @@ Result<OrderBook::Verdict> VehicleState::take_order(const wire::Order& order) {
                                     std::to_string(estimator_.off_path_estimator().off_by_m()) +
                                     " m from the vehicle, further than " + std::to_string(zone::snap_within_m) + " m");
   }
-  OrderBook::StartState reference{estimator_.known() ? estimator_.track_position() : zone::TrackPosition{},
-                                  estimator_.known()};
+  OrderBook::StartState reference{
+      estimator_.known() ? estimator_.track_position() : zone::TrackPosition{}, estimator_.known(), {}, actions_left};
   // With a remaining base the vehicle's position does not matter.
   const bool needs_position = !one_way_ && !progress_.book().base_left();
   if (needs_position && estimator_.known() && !estimator_.off_path())
@@ -167,6 +167,7 @@ void VehicleState::take_over(const VehicleState& before) {
   motion_.take_over(before.motion_);
   holds_ = before.holds_;
   hold(Hold::zone_change, false);
+  hold(Hold::action, false);
   if (estimator_.off_path()) hold(Hold::line_lost, false);
 }
 

@@ -21,7 +21,8 @@ class VehicleState {
  public:
   /// @param zone     must outlive the state
   /// @param one_way  the zone has no branches and no turns on the spot
-  VehicleState(const zone::TrafficZone& zone, bool one_way);
+  /// @param catalogue  the actions of orders that the vehicle performs
+  VehicleState(const zone::TrafficZone& zone, bool one_way, ActionCatalogue catalogue = {});
 
   // Readings.
   /// @param driving  the motors are commanded to drive along the path
@@ -45,8 +46,9 @@ class VehicleState {
   /// floor behind the vehicle. 0 ends the backUp; an order ends it, too. Fails ("back_up.off_path", "back_up.order",
   /// "back_up.distance": not in [0, BackUp::distance_m_max]).
   [[nodiscard]] Result<void> begin_back_up(double distance_m);
+  /// @param actions_left  actions of the present order have not ended
   /// Fails as OrderProgress::offer(), and ("noRouteError") where no path is near the vehicle.
-  [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order);
+  [[nodiscard]] Result<OrderBook::Verdict> take_order(const wire::Order& order, bool actions_left = false);
   /// Drops the order whose cancellation is pending; only once the vehicle has stopped.
   void end_cancel();
   [[nodiscard]] OrderProgress& progress() { return progress_; }

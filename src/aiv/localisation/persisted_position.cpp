@@ -32,6 +32,29 @@ std::optional<Pose2> pose_from(const JsonValue* json) {
   return Pose2{*x, *y, wrap_angle(*theta)};
 }
 
+void write(JsonWriter& json, const std::vector<wire::Load>& loads) {
+  json.begin_array();
+  for (const wire::Load& load : loads) {
+    json.begin_object().field("id", load.load_id).field("type", load.load_type).field("position", load.load_position);
+    if (load.weight_kg) json.field("weight_kg", *load.weight_kg);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+/// Damaged entries are left out.
+std::vector<wire::Load> loads_from(const JsonValue* json) {
+  std::vector<wire::Load> loads;
+  if (json == nullptr || json->array() == nullptr) return loads;
+  for (const JsonValue& each : *json->array()) {
+    const auto position = each.text("position");
+    if (!position) continue;
+    loads.push_back(
+        {each.text("id").value_or(""), each.text("type").value_or(""), *position, each.number("weight_kg")});
+  }
+  return loads;
+}
+
 }  // namespace
 
 std::string to_json(const PersistedPosition& persisted) {
@@ -43,12 +66,14 @@ std::string to_json(const PersistedPosition& persisted) {
   if (persisted.off_path) json.field("off_path", true);
   write(json, "manoeuvre", persisted.manoeuvre);
   if (persisted.next) json.field("next", *persisted.next);
+  if (!persisted.loads.empty()) write(json.key("loads"), persisted.loads);
   if (persisted.imposed) json.field("profile", to_string(*persisted.imposed));
   return json.end_object().take();
 }
 
 Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
-  constexpr std::size_t bytes_max = 4096;
+  // Sixteen loads, with names of up to a kilobyte that may be escaped.
+  constexpr std::size_t bytes_max = 1U << 19U;
   const auto value = JsonValue::parse(json, bytes_max);
   if (!value) return tl::unexpected(value.error());
   const auto zone = value->text("zone");
@@ -73,7 +98,8 @@ Result<PersistedPosition> persisted_position_from_json(std::string_view json) {
                               std::nullopt,
                               false,
                               std::nullopt,
-                              std::nullopt};
+                              std::nullopt,
+                              loads_from(value->find("loads"))};
   persisted.pose = pose_from(value->find("pose"));
   persisted.off_path = value->flag("off_path").value_or(false) && persisted.pose;
   persisted.manoeuvre = pose_from(value->find("manoeuvre"));

@@ -4,10 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cosiva/aiv/motion/speed.h"
 #include "cosiva/base/pose.h"
 #include "cosiva/base/result.h"
+#include "cosiva/wire/messages/messages.h"
 
 namespace cosiva::aiv {
 
@@ -27,6 +29,7 @@ struct PersistedPosition {
   /// PILS was in a manoeuvre that had come this far.
   std::optional<Pose2> manoeuvre{};
   std::optional<std::string> next{};  ///< the section that the route led to
+  std::vector<wire::Load> loads{};    ///< on board
   friend bool operator==(const PersistedPosition&, const PersistedPosition&) = default;
 };
 [[nodiscard]] std::string to_json(const PersistedPosition& persisted);

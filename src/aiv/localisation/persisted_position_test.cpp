@@ -97,10 +97,24 @@ TEST(PersistedPosition, is_off_path_only_with_a_pose) {
       persisted_position_from_json(replaced(to_json(whole()), R"("off_path":true)", R"("off_path":false)"))->off_path);
 }
 
-TEST(PersistedPosition, has_at_most_4096_bytes) {
+TEST(PersistedPosition, contains_the_loads_on_board) {
+  PersistedPosition persisted = whole();
+  persisted.loads = {{"L1", "EPAL", "front", 8.5}, {"", "", "back", {}}};
+  const std::string json = to_json(persisted);
+  EXPECT_NE(json.find(R"("loads":[{"id":"L1","type":"EPAL","position":"front","weight_kg":8.5},)"
+                      R"({"id":"","type":"","position":"back"}])"),
+            std::string::npos)
+      << json;
+  EXPECT_EQ(persisted_position_from_json(json).value(), persisted);
+  const auto damaged = persisted_position_from_json(replaced(json, R"("position":"front")", R"("device":"front")"));
+  EXPECT_EQ(damaged->loads, (std::vector<wire::Load>{{"", "", "back", {}}})) << "the position is worth more";
+  EXPECT_TRUE(persisted_position_from_json(replaced(json, R"("loads":[)", R"("loads":7,"more":[)"))->loads.empty());
+}
+
+TEST(PersistedPosition, has_at_most_512_kibibytes) {
   const std::string json = to_json(whole());
-  EXPECT_TRUE(persisted_position_from_json(json + std::string(4096 - json.size(), ' ')));
-  EXPECT_FALSE(persisted_position_from_json(json + std::string(4097 - json.size(), ' ')));
+  EXPECT_TRUE(persisted_position_from_json(json + std::string(524288 - json.size(), ' ')));
+  EXPECT_FALSE(persisted_position_from_json(json + std::string(524289 - json.size(), ' ')));
 }
 
 }  // namespace

@@ -18,6 +18,16 @@ constexpr auto finished = wire::ActionStatus::finished;
 constexpr double move_m_max = 10.0;
 /// A stopped vehicle this near to a move's end has arrived.
 constexpr double move_ends_m = 0.005;
+constexpr std::string_view needs_pose = " needs the numbers x, y and theta";
+
+/// Parameters x, y and theta; nothing where they are not numbers.
+std::optional<Pose2> pose_of(const wire::Action& action, const zone::TrafficZone& zone) {
+  const auto x = action.number("x");
+  const auto y = action.number("y");
+  const auto theta = action.number("theta");
+  if (!(x && y && theta && std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*theta))) return std::nullopt;
+  return travel_pose(zone, {*x, *y, wrap_angle(*theta)});
+}
 
 }  // namespace
 
@@ -39,6 +49,9 @@ ActionExecutor::Handler ActionExecutor::handler_of(std::string_view action_type)
       Entry{action::move, &ActionExecutor::move},
       Entry{action::self_test, &ActionExecutor::self_test},
       Entry{action::factsheet_request, &ActionExecutor::request_factsheet},
+      Entry{action::start_charging, &ActionExecutor::act_as_order},
+      Entry{action::stop_charging, &ActionExecutor::act_as_order},
+      Entry{action::trigger, &ActionExecutor::act_as_order},
   };
   const auto entry = std::ranges::find(entries, action_type, &Entry::type);
   return entry == entries.end() ? nullptr : entry->handler;
@@ -117,24 +130,28 @@ void ActionExecutor::stop_pause(const Call& call) {
 }
 
 void ActionExecutor::cancel_order(const Call& call) {
-  if (!call.context.vehicle().progress().begin_cancel())
+  if (!call.context.vehicle().progress().begin_cancel(parts_.order_actions.left()))
     return fail(call.action, "noOrderToCancel", "there is no order to cancel", call.effects);
+  parts_.order_actions.cancel("the order was cancelled");
   set(call.action, running);
 }
 
-std::optional<Pose2> ActionExecutor::pose_of(const Call& call) {
-  const auto x = call.action.number("x");
-  const auto y = call.action.number("y");
-  const auto theta = call.action.number("theta");
-  if (x && y && theta && std::isfinite(*x) && std::isfinite(*y) && std::isfinite(*theta))
-    return travel_pose(call.context.zone(), {*x, *y, wrap_angle(*theta)});
-  fail(call, call.action.action_type + " needs the numbers x, y and theta");
-  return std::nullopt;
+void ActionExecutor::act_as_order(const Call& call) {
+  const std::string& type = call.action.action_type;
+  if (type == action::trigger) {
+    if (!parts_.order_actions.trigger(call.action.text("triggerType").value_or("")))
+      return fail(call, "no action waits for this trigger");
+  } else {
+    const bool starts = type == action::start_charging;
+    if (starts && !call.context.vehicle().motion().stopped()) return fail(call, "the vehicle drives");
+    parts_.order_actions.set_charging(starts);
+  }
+  set(call.action, finished);
 }
 
 void ActionExecutor::join_line(const Call& call) {
-  const auto X_MG = pose_of(call);
-  if (!X_MG) return;
+  const auto X_MG = pose_of(call.action, call.context.zone());
+  if (!X_MG) return fail(call, call.action.action_type + std::string(needs_pose));
   const auto joins = call.context.vehicle().join_line(*X_MG);
   if (!joins) return fail(call, joins.error().message);
   book_.end_running(action::join_line, wire::ActionStatus::failed, "overtaken by another joinLine");
@@ -174,8 +191,8 @@ void ActionExecutor::self_test(const Call& call) {
 
 void ActionExecutor::init_position(const Call& call) {
   const auto map_id = call.action.text("mapId");
-  const auto X_MB = pose_of(call);
-  if (!X_MB) return;
+  const auto X_MB = pose_of(call.action, call.context.zone());
+  if (!X_MB) return fail(call, call.action.action_type + std::string(needs_pose));
   const std::string& name = call.context.zone().name;
   if (map_id && !map_id->empty() && *map_id != name) return fail(call, "map '" + *map_id + "' is not '" + name + "'");
   const auto done = call.context.vehicle().initialise_position(*X_MB, call.action.text("lastNodeId").value_or(""));

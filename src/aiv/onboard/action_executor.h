@@ -12,6 +12,7 @@
 #include "cosiva/aiv/onboard/state_reporter.h"
 #include "cosiva/aiv/onboard/zone_selection.h"
 #include "cosiva/aiv/order/instant_actions.h"
+#include "cosiva/aiv/order/order_actions.h"
 #include "cosiva/aiv/partners/server_proxy.h"
 #include "cosiva/aiv/partners/server_selection.h"
 #include "cosiva/base/archive_fwd.h"
@@ -39,6 +40,7 @@ class ActionExecutor {
     const ZoneSelection& zones;
     const ServerSelection& server;
     BoardsLink& boards;
+    OrderActions& order_actions;
   };
   explicit ActionExecutor(const Parts& parts) : parts_{parts} {}
 
@@ -88,8 +90,8 @@ class ActionExecutor {
   void move(const Call& call);
   void self_test(const Call& call);
   void request_factsheet(const Call& call);
-  /// Parameters x, y and theta; fails the action where they are not numbers.
-  [[nodiscard]] std::optional<Pose2> pose_of(const Call& call);
+  /// startCharging, stopCharging and trigger.
+  void act_as_order(const Call& call);
 
   Parts parts_;
   InstantActionBook book_;

@@ -19,7 +19,7 @@ std::unique_ptr<SpeedPolicy> speed_policy_of(const OnboardOptions& options, cons
 
 DrivingContext::DrivingContext(const zone::TrafficZone& zone, const OnboardOptions& options)
     : zone_{std::make_shared<zone::TrafficZone>(zone)},
-      agent_{*zone_, speed_policy_of(options, *zone_), Lateness::of(options.cycle)},
+      agent_{*zone_, speed_policy_of(options, *zone_), Lateness::of(options.cycle), options.actions},
       virtual_bodies_{*zone_},
       neighbours_{*zone_, options.id},
       crossings_{*zone_} {

@@ -9,8 +9,33 @@
 #include "cosiva/aiv/order/instant_actions.h"
 
 namespace cosiva::aiv {
+namespace {
 
-wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing) {
+wire::Parameter number(std::string key) { return {std::move(key), std::string("NUMBER")}; }
+wire::Parameter text(std::string key) { return {std::move(key), std::string("STRING")}; }
+
+/// An action of orders, with the parameters that it uses.
+wire::Factsheet::SupportedAction order_action(const ActionType& type) {
+  wire::Factsheet::SupportedAction action{type.name, type.description, type.instant, type.at_nodes, type.on_edges, {}};
+  switch (type.effect) {
+    case ActionEffect::pick:
+      action.optional_parameters = {text("lhd"), text("loadId"), text("loadType"), number("weight")};
+      break;
+    case ActionEffect::drop: action.optional_parameters = {text("lhd"), text("loadId"), text("loadType")}; break;
+    case ActionEffect::await_trigger: action.optional_parameters = {text("triggerType")}; break;
+    case ActionEffect::detect: action.optional_parameters = {text("objectType")}; break;
+    case ActionEffect::start_charging:
+    case ActionEffect::stop_charging:
+    case ActionEffect::none: break;
+  }
+  action.blocking_types = {wire::BlockingType::none, wire::BlockingType::soft, wire::BlockingType::hard};
+  return action;
+}
+
+}  // namespace
+
+wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTiming& timing,
+                               const ActionCatalogue& catalogue) {
   const auto& [slow, medium, fast] = zone.profiles;
   wire::Factsheet sheet;
   sheet.series_name = "CoSiVA AIV";
@@ -30,8 +55,6 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
     return wire::Factsheet::SupportedAction{std::string(type),    std::move(description), true, false, false,
                                             std::move(parameters)};
   };
-  const auto number = [](std::string key) { return wire::Parameter{std::move(key), std::string("NUMBER")}; };
-  const auto text = [](std::string key) { return wire::Parameter{std::move(key), std::string("STRING")}; };
   sheet.actions = {
       instant(action::start_pause, "stops the vehicle until stopPause"),
       instant(action::stop_pause, "ends the pause"),
@@ -53,6 +76,13 @@ wire::Factsheet make_factsheet(const zone::TrafficZone& zone, const SessionTimin
       instant(action::back_up, "backs up along the path, by at most 0.5 m, without sensing; 0 stops the vehicle",
               {number("distance")}),
   };
+  for (const ActionType& type : catalogue.types) sheet.actions.push_back(order_action(type));
+  const auto waits = [](const ActionType& type) { return type.effect == ActionEffect::await_trigger; };
+  if (std::ranges::any_of(catalogue.types, waits)) {
+    sheet.actions.push_back(instant(action::trigger, "ends waitForTrigger; triggerType: only of this type"));
+    sheet.actions.back().optional_parameters = {text("triggerType")};
+  }
+  sheet.load_positions = catalogue.load_positions;
   return sheet;
 }
 

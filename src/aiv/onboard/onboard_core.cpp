@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cosiva/aiv/experiments/battery_exchange.h"
+#include "cosiva/aiv/onboard/action_cycle.h"
 #include "cosiva/aiv/onboard/action_executor.h"
 #include "cosiva/aiv/onboard/announced_zone.h"
 #include "cosiva/aiv/onboard/boards_link.h"
@@ -38,7 +39,8 @@ void log(wire::Effects& effects, char level, std::string text) {
 
 /// The vehicle is stopped, and no order or command makes it drive.
 /// @param context  null: no zone is known
-bool is_idle(const DrivingContext* context) {
+bool is_idle(const DrivingContext* context, const OrderActions& actions) {
+  if (actions.left()) return false;
   if (context == nullptr) return true;
   const VehicleState& vehicle = context->vehicle();
   return vehicle.motion().stopped() && !vehicle.order().active() && !vehicle.joining() && !vehicle.back_up().active();
@@ -75,8 +77,8 @@ struct OnboardCore::Parts {
         positions{options},
         v2x{options.id, options.v2x, v2x_mode_of(options)},
         drive_cycle{supervision, perception, v2x, boards, server_proxy},
-        actions{{server_proxy, reporter, positions, drive_cycle, zones, server, boards}},
-        orders{{server_proxy, reporter, actions, drive_cycle, zones}, options.cycle} {}
+        actions{*this},
+        orders{{server_proxy, reporter, actions.instant, drive_cycle, zones, actions.of_order}, options.cycle} {}
 
   void archive(Archive& archive);
   void on_restore(const wire::Input& input, wire::Effects& effects);
@@ -130,13 +132,23 @@ struct OnboardCore::Parts {
   V2xParticipant v2x;
   VirtualPerception perception;
   DriveCycle drive_cycle;
-  ActionExecutor actions;
+  struct Actions {
+    /// @param parts  all that are declared before the actions
+    explicit Actions(Parts& parts)
+        : of_order{parts.options.actions, parts.reporter},
+          instant{{parts.server_proxy, parts.reporter, parts.positions, parts.drive_cycle, parts.zones, parts.server,
+                   parts.boards, of_order.actions()}} {}
+    ActionCycle of_order;
+    ActionExecutor instant;
+  };
+  Actions actions;
   OrderReceiver orders;
 };
 
 void OnboardCore::Parts::on_restore(const wire::Input& input, wire::Effects& effects) {
   auto restored = persisted_position_from_json(input.payload);
   if (!restored) return log(effects, 'w', "saved position not used: " + to_string(restored.error()));
+  actions.of_order.actions().restore_loads(restored->loads);
   positions.restore(std::move(*restored), context.get());
 }
 
@@ -208,7 +220,9 @@ void OnboardCore::Parts::on_message(const wire::Input& input, wire::Effects& eff
       break;
     case ServerMessage::virtual_obstacles: on_virtual_bodies(input, effects); break;
     case ServerMessage::order: orders.on_order(input, context.get(), effects); break;
-    case ServerMessage::instant_actions: actions.on_message(input.at, input.payload, context.get(), effects); break;
+    case ServerMessage::instant_actions:
+      actions.instant.on_message(input.at, input.payload, context.get(), effects);
+      break;
     case ServerMessage::connection: on_server_connection(input, effects); break;
     case ServerMessage::estimate_request:
       experiments.estimation.on_request(input.at, input.payload, server_proxy, effects);
@@ -299,7 +313,8 @@ void OnboardCore::Parts::on_server_connection(const wire::Input& input, wire::Ef
 }
 
 void OnboardCore::Parts::on_server_end() {
-  if (!is_idle(context.get())) return;  // the message may be wrong: the bodies expire, and the watchdog stays armed
+  if (!is_idle(context.get(), actions.of_order.actions()))
+    return;  // the message may be wrong: the bodies expire, and the watchdog stays armed
   (void)supervision.release_server();
   if (context) context->virtual_bodies().forget();
 }
@@ -328,7 +343,7 @@ void OnboardCore::Parts::enter_first_zone(SimTime now, const zone::Rtm& rtm, wir
   zones.enforce(rtm);
   if (boards.power()) context->agent().on_charge(boards.power()->charge());
   positions.on_first_zone(*context, effects);
-  actions.on_first_zone(now, *context, effects);
+  actions.instant.on_first_zone(now, *context, effects);
   reporter.publish_factsheet(now, context->zone(), server_proxy, effects);
 }
 
@@ -336,11 +351,12 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
   // Without odometry the vehicle may still be braking.
   if (!zones.pending() || !context->vehicle().motion().stopped() || supervision.board_lost(now, wire::Board::PILS))
     return;
-  actions.end_waits(context->vehicle());
+  actions.instant.end_waits(context->vehicle());
   const std::string from = context->zone().name;
   context = std::make_unique<DrivingContext>(zones.pending()->zone(), options, context->agent());
   zones.enforce(*zones.pending());
-  actions.on_zone_switched();
+  actions.of_order.on_zone_switched();
+  actions.instant.on_zone_switched();
   experiments.estimation.on_zone_switched();
   perception.on_zone_switched();
   v2x.on_zone_switched();
@@ -360,17 +376,14 @@ void OnboardCore::Parts::end_zone_switch(SimTime now, wire::Effects& effects) {
 void OnboardCore::Parts::on_tick(SimTime now, wire::Effects& effects) {
   boards.on_tick(now, effects);
   if (supervision.take_link_check(now)) server_proxy.publish(now, wire::LinkCheck{}, effects);
-  if (is_idle(context.get()) && supervision.release_server() && context) context->virtual_bodies().forget();
+  if (is_idle(context.get(), actions.of_order.actions()) && supervision.release_server() && context)
+    context->virtual_bodies().forget();
   if (context) {
+    actions.of_order.run(now, *context, effects);
     drive_cycle.run(now, *context, effects);
-    actions.end_waits(context->vehicle());
+    actions.instant.end_waits(context->vehicle());
     end_zone_switch(now, effects);
-    VehicleState& vehicle = context->vehicle();
-    if (!vehicle.progress().take_traversed().empty()) reporter.request_report();
-    if (vehicle.progress().take_lost()) {
-      reporter.refuse("orderError", "order", "the vehicle was found off its order's route and dropped the order",
-                      {{"orderId", vehicle.order().ids().order_id}}, effects);
-    }
+    positions.keep_loads(actions.of_order.actions().loads().loads());
     positions.on_tick(now, *context, effects);
     reporter.update_display(now, context->agent(), boards, effects);
     reporter.publish_visualization(now, *context, server_proxy, effects);
@@ -411,9 +424,10 @@ ReportSources OnboardCore::Parts::sources(SimTime now) const {
           zones.refusal(),
           boards,
           supervision,
-          actions.book(),
+          actions.instant.book(),
           reporter.warnings(),
-          boards.power()};
+          boards.power(),
+          &actions.of_order.actions()};
 }
 
 OnboardCore::OnboardCore(OnboardOptions options) : parts_{std::make_unique<Parts>(std::move(options))} {}
@@ -486,6 +500,7 @@ void OnboardCore::farewell(SimTime now, wire::Effects& effects) {
 void OnboardCore::fold(Digest& digest) const {
   digest.add(std::string_view{parts_->options.id.serial_number});
   digest.add(std::uint64_t{parts_->context != nullptr});
+  parts_->actions.of_order.fold(digest);
   if (!parts_->context) return;
   const DrivingContext& context = *parts_->context;
   const VehicleState& vehicle = context.vehicle();
@@ -543,7 +558,7 @@ void OnboardCore::Parts::archive(Archive& archive) {
     if (rtm) context = std::make_unique<DrivingContext>(rtm->zone(), options);
   }
   if (context) archive(*context);
-  archive(reporter, positions, experiments.estimation, v2x, perception, actions);
+  archive(reporter, positions, experiments.estimation, v2x, perception, actions.of_order, actions.instant);
 }
 
 void OnboardCore::archive(Archive& archive) { archive(*parts_, now_); }

@@ -62,6 +62,7 @@ std::string to_json(const OnboardOptions& options) {
     json.field("s_m", options.start->s_m).end_object();
   }
   write_json(json.key("rules"), options.rules);
+  if (options.actions != usual_actions()) write_json(json.key("actions"), options.actions);
   json.field("rali", options.rali).field("v2x", options.v2x);
   if (options.v2x_direct) json.field("v2xDirect", true);
   if (options.link_loss == LinkLoss::finish_base) json.field("linkLoss", finish_base_text);
@@ -105,6 +106,11 @@ Result<OnboardOptions> onboard_options_from_json(std::string_view json) {
     auto read = speed_rules_from_json(*rules);
     if (!read) return tl::unexpected(read.error());
     options.rules = std::move(*read);
+  }
+  if (const JsonValue* actions = value->find("actions"); actions != nullptr && !actions->is_null()) {
+    auto read = action_catalogue_from_json(*actions);
+    if (!read) return tl::unexpected(read.error());
+    options.actions = std::move(*read);
   }
   options.rali = value->flag("rali").value_or(true);
   // Without the field: a journal from before V2X.

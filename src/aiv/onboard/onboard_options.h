@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "cosiva/aiv/decision/speed_rules.h"
+#include "cosiva/aiv/order/action_catalogue.h"
 #include "cosiva/base/result.h"
 #include "cosiva/base/time.h"
 #include "cosiva/wire/messages/topics.h"
@@ -39,10 +40,11 @@ struct OnboardOptions {
     double s_m;
   };
   std::optional<Start> start;
-  SpeedRules rules;        ///< for the choice of the speed; custom ones can be used (checked)
-  bool rali{true};         ///< the vehicle has this board; without it the charge is unknown
-  bool v2x{true};          ///< the vehicle publishes its intents to vehicles nearby, and uses theirs
-  bool v2x_direct{false};  ///< it sends them by the direct link, too (wire::v2x_port)
+  SpeedRules rules;                          ///< for the choice of the speed; custom ones can be used (checked)
+  ActionCatalogue actions{usual_actions()};  ///< of orders
+  bool rali{true};                           ///< the vehicle has this board; without it the charge is unknown
+  bool v2x{true};                            ///< the vehicle publishes its intents to vehicles nearby, and uses theirs
+  bool v2x_direct{false};                    ///< it sends them by the direct link, too (wire::v2x_port)
   LinkLoss link_loss{LinkLoss::brake};
   Autonomy autonomy{Autonomy::server};               ///< negotiate: only with v2x_direct
   SimDuration cycle{std::chrono::milliseconds{20}};  ///< interval between decisions; when it is long, a new order is

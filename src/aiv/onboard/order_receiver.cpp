@@ -35,7 +35,8 @@ void OrderReceiver::on_order(const wire::Input& input, DrivingContext* context, 
   if (const auto& pending = parts_.zones.pending(); pending && !repeated)
     return refuse("noRouteError", "zone '" + pending->zone().name + "' follows as soon as the vehicle has stopped");
 
-  const auto verdict = vehicle.take_order(order);
+  parts_.action_cycle.take_traversed(*context);
+  const auto verdict = vehicle.take_order(order, parts_.action_cycle.actions().left());
   reporter.request_report();  // its orderUpdateId is the only acknowledgement, also of a repetition
   if (!verdict) return refuse(verdict.error().code, to_string(verdict.error()));
   accept(order, *verdict, input.at, *context, effects);
@@ -47,9 +48,11 @@ void OrderReceiver::accept(const wire::Order& order, OrderBook::Verdict verdict,
   if (verdict == OrderBook::Verdict::accepted_new) {
     parts_.reporter.on_new_order();
     parts_.actions.on_new_order();
+    parts_.action_cycle.actions().on_new_order(order);
     effects.emplace_back(wire::Log{'i', "order " + order.order_id + " from " + order.nodes.front().node_id});
   } else if (verdict == OrderBook::Verdict::accepted_update) {
     parts_.reporter.on_order_update();
+    parts_.action_cycle.actions().on_update(order);
   }
   // With a long cycle the next tick is far away, and other vehicles may wait for this one to drive.
   if (cycle_ > usual_cycle && verdict != OrderBook::Verdict::ignored_same)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cosiva/aiv/onboard/action_cycle.h"
 #include "cosiva/aiv/onboard/action_executor.h"
 #include "cosiva/aiv/onboard/drive_cycle.h"
 #include "cosiva/aiv/onboard/driving_context.h"
@@ -22,6 +23,7 @@ class OrderReceiver {
     ActionExecutor& actions;
     DriveCycle& drive_cycle;
     const ZoneSelection& zones;
+    ActionCycle& action_cycle;
   };
   /// @param cycle  of the vehicle's decisions; where it is long, a new order is decided on at once
   OrderReceiver(const Parts& parts, SimDuration cycle) : parts_{parts}, cycle_{cycle} {}

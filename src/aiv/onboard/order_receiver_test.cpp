@@ -11,7 +11,8 @@ namespace {
 using test::lacet4;
 
 struct OrderReceiverTest : test::InstructionTest {
-  OrderReceiver orders{{server_proxy, reporter, actions, drive_cycle, zones}, std::chrono::milliseconds{20}};
+  OrderReceiver orders{{server_proxy, reporter, actions, drive_cycle, zones, action_cycle},
+                       std::chrono::milliseconds{20}};
 
   void order(const wire::Order& order, DrivingContext* in) {
     orders.on_order({SimTime{}, wire::InputKind::message, "", wire::vda5050::encode(order), false}, in, effects);
@@ -76,7 +77,7 @@ TEST_F(OrderReceiverTest, decides_at_once_where_the_cycle_is_long) {
   const auto commands = [&](SimDuration cycle) {
     DrivingContext fresh{lacet4(), {}};
     fresh.vehicle().estimator().position_at(test::at(lacet4(), "loop_se", 0.0));
-    OrderReceiver receiver{{server_proxy, reporter, actions, drive_cycle, zones}, cycle};
+    OrderReceiver receiver{{server_proxy, reporter, actions, drive_cycle, zones, action_cycle}, cycle};
     const auto count = [&](const wire::Order& order) {
       effects.clear();
       receiver.on_order({SimTime{}, wire::InputKind::message, "", wire::vda5050::encode(order), false}, &fresh,

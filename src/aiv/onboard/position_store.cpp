@@ -170,6 +170,12 @@ void PositionStore::discard_restored() {
   request_save();
 }
 
+void PositionStore::keep_loads(const std::vector<wire::Load>& loads) {
+  if (loads == loads_) return;
+  loads_ = loads;
+  request_save();
+}
+
 void PositionStore::on_tick(SimTime now, DrivingContext& context, wire::Effects& effects) {
   restore_in_another_zone(now, context);
   save(timer_.take(now), context, effects);
@@ -192,6 +198,7 @@ void PositionStore::save(bool due, const DrivingContext& context, wire::Effects&
   if (!due && !(stopped && !was_stopped_) && !requested_) return;
   PersistedPosition now_here = position_of(context, *odometer_um, *pils_session_);
   COSIVA_EXPECT(now_here.session == *pils_session_);
+  now_here.loads = loads_;
   if (as_values_)
     saved_ = std::move(now_here);
   else
@@ -205,7 +212,7 @@ std::string PositionStore::saved_json() const { return saved_ ? to_json(*saved_)
 
 void PositionStore::archive(Archive& archive) {
   archive(start_counts_, restored_, other_zone_since_, saved_, pils_session_, timer_, saved_um_, saved_manoeuvre_,
-          requested_, was_stopped_);
+          loads_, requested_, was_stopped_);
 }
 
 }  // namespace cosiva::aiv

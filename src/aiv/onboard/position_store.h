@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cosiva/aiv/localisation/persisted_position.h"
 #include "cosiva/aiv/onboard/driving_context.h"
@@ -35,6 +36,8 @@ class PositionStore {
   /// An operator has given the position: the restored position is void.
   void discard_restored();
 
+  /// The loads on board, which are saved with the position.
+  void keep_loads(const std::vector<wire::Load>& loads);
   /// A change has to be saved that the odometer does not show.
   void request_save() { requested_ = true; }
   /// Saves what has changed: periodically, as soon as the vehicle stops, and on request. Where a vehicle that was saved
@@ -65,6 +68,7 @@ class PositionStore {
   Periodic timer_;
   std::optional<std::int64_t> saved_um_;
   std::optional<Pose2> saved_manoeuvre_;
+  std::vector<wire::Load> loads_;
   bool requested_{false};
   bool was_stopped_{true};
 };

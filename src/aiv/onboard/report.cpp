@@ -128,7 +128,14 @@ wire::State compose_state(const ReportSources& from) {
   wire::State state;
   state.maps = from.maps;
   if (from.agent != nullptr) add_agent(*from.agent, from, state);
-  state.action_states = from.actions.states();
+  if (from.order_actions != nullptr) {
+    state.action_states = from.order_actions->states();
+    state.battery.charging = from.order_actions->charging();
+    const LoadBay& loads = from.order_actions->loads();
+    if (!loads.positions().empty()) state.loads = loads.loads();
+  }
+  const auto& instant = from.actions.states();
+  state.action_states.insert(state.action_states.end(), instant.begin(), instant.end());
   if (from.power) {
     state.battery.charge_percent = percent_of(*from.power);
     state.battery.voltage_v = 0.001 * from.power->voltage_mv;

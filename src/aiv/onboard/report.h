@@ -9,6 +9,7 @@
 #include "cosiva/aiv/onboard/supervision.h"
 #include "cosiva/aiv/onboard/warnings.h"
 #include "cosiva/aiv/order/instant_actions.h"
+#include "cosiva/aiv/order/order_actions.h"
 #include "cosiva/wire/messages/messages.h"
 #include "cosiva/wire/own/own_messages.h"
 
@@ -25,6 +26,7 @@ struct ReportSources {
   const InstantActionBook& actions;
   const Warnings& warnings;
   const std::optional<wire::Power>& power;
+  const OrderActions* order_actions{nullptr};  ///< null: the vehicle performs no actions of orders
 };
 
 [[nodiscard]] wire::State compose_state(const ReportSources& sources);

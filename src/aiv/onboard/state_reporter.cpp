@@ -17,6 +17,7 @@ constexpr SimDuration display_period = std::chrono::milliseconds{500};
 
 StateReporter::StateReporter(const OnboardOptions& options)
     : serial_number_{options.id.serial_number},
+      actions_{options.actions},
       state_period_{options.state_period},
       visualization_period_{options.visualization_period},
       visualization_timer_{options.visualization_period},
@@ -74,7 +75,8 @@ void StateReporter::publish_boards_report(const ReportSources& sources, const st
 
 void StateReporter::publish_factsheet(SimTime now, const zone::TrafficZone& zone, ServerProxy& server_proxy,
                                       wire::Effects& effects) const {
-  server_proxy.publish(now, make_factsheet(zone, {state_period_, state_interval_min, visualization_period_}), effects);
+  server_proxy.publish(now, make_factsheet(zone, {state_period_, state_interval_min, visualization_period_}, actions_),
+                       effects);
 }
 
 void StateReporter::update_display(SimTime now, const Agent& agent, BoardsLink& boards, wire::Effects& effects) {

@@ -63,6 +63,7 @@ class StateReporter {
   static constexpr SimDuration state_interval_min = std::chrono::milliseconds{50};
 
   std::string serial_number_;
+  ActionCatalogue actions_;
   SimDuration state_period_;
   SimDuration visualization_period_;
   Warnings warnings_;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cosiva/aiv/onboard/action_cycle.h"
 #include "cosiva/aiv/onboard/action_executor.h"
 #include "cosiva/aiv/testing/test_zone.h"
 #include "cosiva/wire/vda5050/codec.h"
@@ -26,7 +27,9 @@ struct InstructionTest : ::testing::Test {
   ZoneSelection zones;
   ServerSelection server;
   DriveCycle drive_cycle{supervision, perception, v2x, boards, server_proxy};
-  ActionExecutor actions{{server_proxy, reporter, positions, drive_cycle, zones, server, boards}};
+  ActionCycle action_cycle{usual_actions(), reporter};
+  ActionExecutor actions{
+      {server_proxy, reporter, positions, drive_cycle, zones, server, boards, action_cycle.actions()}};
   DrivingContext context{lacet4(), {}};
   wire::Effects effects;
 

@@ -52,6 +52,9 @@ inline constexpr std::string_view join_line = "joinLine";
 inline constexpr std::string_view back_up = "backUp";
 inline constexpr std::string_view move = "move";
 inline constexpr std::string_view self_test = "selfTest";
+inline constexpr std::string_view start_charging = "startCharging";
+inline constexpr std::string_view stop_charging = "stopCharging";
+inline constexpr std::string_view trigger = "trigger";
 }  // namespace action
 
 }  // namespace cosiva::aiv

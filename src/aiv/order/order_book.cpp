@@ -24,8 +24,8 @@ std::string with_sequence(std::string_view node_id, std::uint32_t sequence_id) {
 
 }  // namespace
 
-OrderBook::OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions)
-    : zone_{zone}, supported_actions_{std::move(supported_actions)}, locator_{zone} {}
+OrderBook::OrderBook(const zone::TrafficZone& zone, ActionCatalogue catalogue)
+    : zone_{zone}, catalogue_{std::move(catalogue)}, locator_{zone} {}
 
 Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const StartState& reference) {
   // A repeated message is ignored even when its base has long been driven; this check therefore precedes all others.
@@ -36,8 +36,7 @@ Result<OrderBook::Verdict> OrderBook::offer(const wire::Order& order, const Star
     return fail("orderUpdateError", "update " + std::to_string(order.order_update_id) + " is older than " +
                                         std::to_string(ids_.order_update_id) + ", which is being followed");
   }
-  if (auto checked = check_abilities(order, supported_actions_); !checked)
-    return tl::unexpected(std::move(checked.error()));
+  if (auto checked = check_abilities(order, catalogue_); !checked) return tl::unexpected(std::move(checked.error()));
   if (auto checked = check_orientation(order, zone_.circuit.indirect()); !checked)
     return tl::unexpected(std::move(checked.error()));
   if (!reference.position_known) return fail("noRouteError", "the vehicle's position is not known");
@@ -49,6 +48,8 @@ Result<OrderBook::Verdict> OrderBook::offer_new(const wire::Order& order, const 
     return fail("orderUpdateError", "order '" + ids_.order_id + "' is not finished: it has " +
                                         std::string(base_left() ? "base" : "horizon") + " left");
   }
+  if (reference.actions_left)
+    return fail("orderUpdateError", "order '" + ids_.order_id + "' is not finished: it has actions left");
   const auto firsts = locator_.router().first_positions(order);
   if (!firsts) return tl::unexpected(firsts.error());
   auto found = locator_.locate(order, *firsts, reference.position, reference.also);
@@ -111,7 +112,10 @@ void OrderBook::append(const wire::Order& order, OrderRoute&& route, double firs
   for (std::size_t i = 0; i < route.legs.size(); ++i) {
     OrderRoute::Leg& leg = route.legs[i];
     path_m += leg.length_m;
-    targets_.push_back({order.nodes[i + 1], leg.position, path_m, order.edges[i].max_speed_mps, std::move(leg.via)});
+    const wire::OrderEdge& edge = order.edges[i];
+    if (!targets_.empty() && edge.released && block_driving(edge.actions)) targets_.back().stops = true;
+    targets_.push_back({order.nodes[i + 1], leg.position, path_m, edge.max_speed_mps, std::move(leg.via),
+                        block_driving(order.nodes[i + 1].actions)});
     edges_.push_back(order.edges[i]);
   }
   COSIVA_EXPECT(targets_.size() == edges_.size());
@@ -199,7 +203,7 @@ std::vector<wire::OrderNode> OrderBook::travelled(double distance_m) {
     // Even a vehicle pushed past the end of its base does not traverse a node that was never released.
     if (!target.node.released) break;
     const bool base_ends_here = passed + 1 == targets_.size() || !targets_[passed + 1].node.released;
-    if (travelled_m_ < target.path_m - (base_ends_here ? arrival_m : 0.0)) break;
+    if (travelled_m_ < target.path_m - (base_ends_here || target.stops ? arrival_m : 0.0)) break;
   }
   std::vector<wire::OrderNode> traversed;
   if (passed == 0) return traversed;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/aiv/order/action_catalogue.h"
 #include "cosiva/aiv/order/order_locator.h"
 #include "cosiva/aiv/order/order_route.h"
 #include "cosiva/base/archive_fwd.h"
@@ -42,7 +43,8 @@ class OrderBook {
     zone::TrackPosition position;
     bool position_known;
     std::vector<zone::TrackPosition>
-        also{};  ///< the same point on other sections, at a joint or on coincident sections
+        also{};                ///< the same point on other sections, at a joint or on coincident sections
+    bool actions_left{false};  ///< actions of the present order have not ended (OrderActions)
   };
   enum class Verdict {
     accepted_new,
@@ -50,9 +52,8 @@ class OrderBook {
     ignored_same,  ///< same orderId and orderUpdateId again: the legal repair of a lost message, no reaction (trap 7)
   };
 
-  /// @param supported_actions  types of node and edge actions that this vehicle performs; an order with any other type
-  ///                           is refused as a whole
-  explicit OrderBook(const zone::TrafficZone& zone, std::vector<std::string> supported_actions = {});
+  /// @param catalogue  actions that this vehicle performs; an order with any other action is refused as a whole
+  explicit OrderBook(const zone::TrafficZone& zone, ActionCatalogue catalogue = {});
 
   /// Accepts, or refuses with one of the standard's error types as code: validationError, orderError, orderUpdateError,
   /// noRouteError. A refusal changes nothing.
@@ -81,6 +82,7 @@ class OrderBook {
     double path_m;                        ///< along the order from its first node
     std::optional<double> max_speed_mps;  ///< of the edge that leads here
     std::vector<zone::SectionId> via;     ///< sections entered on the route from the node before (OrderRoute::Leg)
+    bool stops{false};  ///< the vehicle stops here for actions of the node or of the released edge behind it
   };
 
   /// The course of the order over all remaining nodes, including the horizon; starts on the section of `here`, the
@@ -89,8 +91,8 @@ class OrderBook {
 
   /// Adds the distance that the vehicle has travelled since the last call (negative: a correction backwards) and
   /// returns the nodes traversed by this step, in order. A node is traversed when the body origin passes it; at the end
-  /// of the base already 15 mm before, because a vehicle that stops at a node stops as often just before the node as
-  /// just behind.
+  /// of the base and where it stops for actions already 15 mm before, because a vehicle that stops at a node stops as
+  /// often just before the node as just behind.
   std::vector<wire::OrderNode> travelled(double distance_m);
 
   [[nodiscard]] bool active() const { return !targets_.empty(); }  ///< nodes remain, released or not
@@ -120,7 +122,7 @@ class OrderBook {
   [[nodiscard]] std::size_t released_count() const;
 
   const zone::TrafficZone& zone_;
-  std::vector<std::string> supported_actions_;
+  ActionCatalogue catalogue_;
   OrderLocator locator_;
   bool cancelled_{false};  ///< the order of these ids was cancelled
   OrderIds ids_;

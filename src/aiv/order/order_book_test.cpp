@@ -218,7 +218,7 @@ TEST(Refusals, name_the_field) {
 }
 
 TEST(Actions, that_the_vehicle_supports_are_accepted) {
-  OrderBook book{lacet4(), {"pick"}};
+  OrderBook book{lacet4(), usual_actions()};
   auto with_action = usual();
   with_action.node(1).actions = {{"pick", "a1", "", wire::BlockingType::hard, {}}};
   EXPECT_TRUE(book.offer(with_action, start));
@@ -287,7 +287,7 @@ TEST(Update, may_delete_the_horizon) {
 }
 
 TEST(Update, keeps_the_stitching_node_as_it_was_first_sent) {
-  OrderBook book{lacet4(), {"pick"}};
+  OrderBook book{lacet4(), usual_actions()};
   ASSERT_TRUE(book.offer(usual(), start));
   auto resent = extension();
   resent.node(0).actions = {{"pick", "a1", "", wire::BlockingType::none, {}}};

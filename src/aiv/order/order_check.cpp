@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+#include <string_view>
 
 namespace cosiva::aiv {
 namespace {
@@ -60,13 +63,27 @@ Result<void> check_edge(const wire::Order& order, std::size_t i) {
 }
 
 /// @param array  "nodes" or "edges", whose i-th element has these actions
-Result<void> check_actions(const std::vector<wire::Action>& actions, std::span<const std::string> supported,
+Result<void> check_actions(const std::vector<wire::Action>& actions, const ActionCatalogue& catalogue,
                            std::string_view array, std::size_t i) {
+  const ActionScope scope = array == "nodes" ? ActionScope::node : ActionScope::edge;
   for (const wire::Action& action : actions) {
-    if (std::ranges::find(supported, action.action_type) == supported.end()) {
-      return fail("orderError", "action '" + action.action_type + "' (" + action.action_id + ") is not supported",
-                  at(array, i, "actions"));
-    }
+    auto checked = check_action(catalogue, action, scope);
+    if (!checked) return fail(checked.error().code, checked.error().message, at(array, i, "actions"));
+  }
+  return {};
+}
+
+/// §6.6.6: an actionId is unique, so that a state is of one action.
+Result<void> check_action_ids(const wire::Order& order) {
+  std::set<std::string_view> ids;
+  const auto repeated = [&ids](const std::vector<wire::Action>& actions) {
+    return std::ranges::any_of(actions,
+                               [&ids](const wire::Action& each) { return !ids.insert(each.action_id).second; });
+  };
+  for (std::size_t i = 0; i < order.nodes.size(); ++i) {
+    if (repeated(order.nodes[i].actions)) return invalid("an actionId occurs twice", at("nodes", i, "actions"));
+    if (i < order.edges.size() && repeated(order.edges[i].actions))
+      return invalid("an actionId occurs twice", at("edges", i, "actions"));
   }
   return {};
 }
@@ -91,7 +108,7 @@ Result<void> check_shape(const wire::Order& order) {
   for (std::size_t i = 0; i < order.edges.size(); ++i) {
     if (auto checked = check_edge(order, i); !checked) return checked;
   }
-  return {};
+  return check_action_ids(order);
 }
 
 Result<void> check_orientation(const wire::Order& order, bool backwards) {
@@ -105,16 +122,16 @@ Result<void> check_orientation(const wire::Order& order, bool backwards) {
   return {};
 }
 
-Result<void> check_abilities(const wire::Order& order, std::span<const std::string> supported_actions) {
+Result<void> check_abilities(const wire::Order& order, const ActionCatalogue& catalogue) {
   for (std::size_t i = 0; i < order.edges.size(); ++i) {
     const wire::OrderEdge& edge = order.edges[i];
     if (!edge.unsupported.empty())
       return fail("orderError", "'" + edge.unsupported.front() + "' is not supported",
                   at("edges", i, edge.unsupported.front()));
-    if (auto checked = check_actions(edge.actions, supported_actions, "edges", i); !checked) return checked;
+    if (auto checked = check_actions(edge.actions, catalogue, "edges", i); !checked) return checked;
   }
   for (std::size_t i = 0; i < order.nodes.size(); ++i) {
-    if (auto checked = check_actions(order.nodes[i].actions, supported_actions, "nodes", i); !checked) return checked;
+    if (auto checked = check_actions(order.nodes[i].actions, catalogue, "nodes", i); !checked) return checked;
   }
   return {};
 }

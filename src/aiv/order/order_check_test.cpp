@@ -107,8 +107,19 @@ TEST(OrderShape, with_all_that_is_permitted_is_accepted) {
   EXPECT_TRUE(check_shape(text));
 }
 
+TEST(OrderShape, par_6_6_6_requires_that_an_action_id_occurs_once) {
+  OrderText text = three_nodes();
+  text.node(0).actions = {{"noop", "1", "", wire::BlockingType::none, {}}};
+  text.edge(1).actions = {{"noop", "2", "", wire::BlockingType::none, {}}};
+  EXPECT_TRUE(check_shape(text));
+  text.edge(1).actions[0].action_id = "1";
+  const auto refused = check_shape(text);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error(), (Error{"validationError", "an actionId occurs twice", "edges[1].actions"}));
+}
+
 TEST(OrderAbilities, name_the_first_field_or_action_that_the_vehicle_does_not_support) {
-  const std::vector<std::string> supported{"pick", "drop"};
+  const ActionCatalogue supported = usual_actions();
   const auto action = [](const char* type, const char* id) {
     return wire::Action{type, id, "", wire::BlockingType::hard, {}};
   };

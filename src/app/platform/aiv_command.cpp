@@ -13,6 +13,7 @@
 #include "cosiva/app/platform/direct_link.h"
 #include "cosiva/app/platform/part.h"
 #include "cosiva/app/resources/rule_files.h"
+#include "cosiva/app/resources/vehicle_file.h"
 #include "cosiva/base/json_writer.h"
 
 namespace cosiva::app {
@@ -45,6 +46,11 @@ int run_aiv(const AivArguments& arguments) {
   auto rules = load_speed_rules(arguments.rules);
   if (!rules) return report_error(rules.error());
   options.rules = std::move(*rules);
+  if (!arguments.vehicle_file.empty()) {
+    auto actions = load_vehicle_file(arguments.vehicle_file);
+    if (!actions) return report_error(actions.error());
+    options.actions = std::move(*actions);
+  }
   options.v2x = arguments.v2x;
   options.rali = arguments.rali;
   if (!arguments.start.empty()) {

@@ -19,6 +19,7 @@ struct AivArguments {
   std::string state_file;
   bool emulated{false};        ///< its radio is the emulated world's
   std::string rules{"fuzzy"};  ///< crisp, fuzzy or a file
+  std::string vehicle_file;    ///< loads and actions; empty: the usual ones
   bool v2x{true};
   bool rali{true};  ///< the vehicle has this board
   DirectArguments direct;

@@ -266,9 +266,13 @@ void describe_aiv(Command command, AivArguments& aiv) {
   command.add_option("--zone", aiv.zone, "traffic zone; without: from the broker").value_name("NAME|FILE");
   command.add_option("--start", aiv.start, "initial position, such as east:0.85; without: waits for a position")
       .value_name("SECTION:S");
-  command.add_option("--state-file", aiv.state_file, "preserves its position over a crash; overrides --start")
+  command.add_option("--state-file", aiv.state_file, "preserves its position and loads over a crash; overrides --start")
       .value_name("FILE");
   add_rules(command, aiv.rules, "how it chooses its speed (docs/guide/agents.md); without: fuzzy");
+  command
+      .add_option("--vehicle-file", aiv.vehicle_file,
+                  "its load positions and actions (docs/guide/vehicle-file.md); without: the usual ones")
+      .value_name("FILE");
   command.add_switch("--v2x", aiv.v2x, "sends V2X messages about its intent to AIVs nearby");
   command.add_switch("--rali", aiv.rali, "it has the board RALI; without, its charge is unknown");
   add_direct(command, aiv.direct);

@@ -142,6 +142,14 @@ struct Velocity {
   double omega_radps{};
   friend bool operator==(const Velocity&, const Velocity&) = default;
 };
+/// A load on the vehicle (2.1 §6.10.6, load). Texts that the vehicle does not know are empty.
+struct Load {
+  std::string load_id;
+  std::string load_type;
+  std::string load_position;  ///< the load handling device that carries the load
+  std::optional<double> weight_kg{};
+  friend bool operator==(const Load&, const Load&) = default;
+};
 struct BatteryState {
   double charge_percent{};
   std::optional<double> voltage_v;
@@ -203,6 +211,8 @@ struct State {
   std::optional<AgvPosition> position;
   std::optional<Velocity> velocity;
   std::vector<ActionState> action_states;
+  /// Nothing: the vehicle cannot determine its loads. Empty: it is unloaded.
+  std::optional<std::vector<Load>> loads;
   BatteryState battery;
   std::vector<VehicleError> errors;
   std::vector<Information> information;
@@ -250,10 +260,13 @@ struct Factsheet {
     bool instant{};
     bool node{};
     bool edge{};
-    std::vector<Parameter> parameters;  ///< key, and its value's type as a text: "NUMBER", "STRING"
+    std::vector<Parameter> parameters;  ///< required: key, and its value's type as a text: "NUMBER", "STRING"
+    std::vector<Parameter> optional_parameters{};
+    std::vector<BlockingType> blocking_types{};  ///< that the action may have; empty: not declared
     friend bool operator==(const SupportedAction&, const SupportedAction&) = default;
   };
   std::vector<SupportedAction> actions;
+  std::vector<std::string> load_positions;  ///< the load handling devices; empty: the vehicle carries no loads
   friend bool operator==(const Factsheet&, const Factsheet&) = default;
 };
 

@@ -133,6 +133,16 @@ void read_progress(Fields& fields, State& state) {
   });
 }
 
+void read_loads(Fields& fields, State& state) {
+  if (!fields.has("loads")) return;
+  fields.each("loads", Need::optional, state.loads.emplace(), [](Fields& item, Load& load) {
+    item.text("loadId", load.load_id, Need::optional);
+    item.text("loadType", load.load_type, Need::optional);
+    item.text("loadPosition", load.load_position, Need::optional);
+    item.number("weight", load.weight_kg, 0.0);
+  });
+}
+
 void read_condition(Fields& fields, State& state) {
   fields.object("batteryState", Need::required, [&](Fields& battery) {
     battery.number("batteryCharge", state.battery.charge_percent, Need::required);
@@ -201,6 +211,7 @@ Result<State> decode_state(std::string_view json) {
     read_agv_position(fields, state.position);
     read_velocity(fields, state.velocity);
     read_progress(fields, state);
+    read_loads(fields, state);
     read_condition(fields, state);
   });
 }

@@ -268,6 +268,20 @@ TEST(Reading, accepts_optional_numbers_at_the_limits_of_the_schema) {
   for (const char* bad : {"-0.001", "1.001"}) EXPECT_EQ(score(bad), "vda.range") << bad;
 }
 
+TEST(Reading, distinguishes_a_vehicle_without_loads_from_one_that_does_not_know_them) {
+  const auto loads = [](const std::string& more) {
+    return decode_state(state(R"(,"nodeStates":[],"batteryState":{"batteryCharge":80,"charging":false})" + more));
+  };
+  EXPECT_FALSE(loads("")->loads);
+  EXPECT_FALSE(loads(R"(,"loads":null)")->loads);
+  EXPECT_EQ(loads(R"(,"loads":[])")->loads, std::vector<Load>{});
+  EXPECT_EQ(loads(R"(,"loads":[{"loadId":"L1","loadType":"EPAL","loadPosition":"front","weight":0},{}])")->loads,
+            (std::vector<Load>{{"L1", "EPAL", "front", 0.0}, {}}));
+  EXPECT_EQ(code(loads(R"(,"loads":[{"weight":-0.001}])")), "vda.range");
+  EXPECT_EQ(code(loads(R"(,"loads":{})")), "vda.type");
+  EXPECT_EQ(code(loads(R"(,"loads":[{"loadId":7}])")), "vda.type");
+}
+
 TEST(Reading, accepts_counts_of_32_bits) {
   const auto sequence = [](const std::string& number) {
     const auto read = decode_order(order(R"({"nodeId":"n","sequenceId":)" + number + R"(,"released":true})"));

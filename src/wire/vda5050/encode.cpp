@@ -110,6 +110,16 @@ void write_progress(JsonOut& out, const State& state) {
   });
 }
 
+void write_loads(JsonOut& out, const State& state) {
+  if (!state.loads) return;
+  out.array(R"("loads":)", *state.loads, [&](const Load& load) {
+    out.open('{').text_if_any(R"("loadId":)", load.load_id).text_if_any(R"("loadType":)", load.load_type);
+    out.text_if_any(R"("loadPosition":)", load.load_position);
+    if (load.weight_kg) out.field(R"("weight":)", std::max(0.0, *load.weight_kg));
+    out.close('}');
+  });
+}
+
 void write_condition(JsonOut& out, const State& state) {
   out.key(R"("batteryState":)").open('{');
   out.field(R"("batteryCharge":)", state.battery.charge_percent);
@@ -198,6 +208,7 @@ std::string encode(const State& message) {
   if (message.position) write_agv_position(out, *message.position);
   if (message.velocity) write_velocity(out, *message.velocity);
   write_progress(out, message);
+  write_loads(out, message);
   write_condition(out, message);
   out.close('}');
   return out.take();

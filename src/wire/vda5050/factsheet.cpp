@@ -6,6 +6,7 @@
 #include "cosiva/wire/vda5050/codec.h"
 #include "cosiva/wire/vda5050/json_in.h"
 #include "cosiva/wire/vda5050/json_out.h"
+#include "cosiva/wire/vda5050/terms.h"
 #include "cosiva/wire/vda5050/write_header.h"
 
 namespace cosiva::wire::vda5050 {
@@ -53,6 +54,12 @@ void write_limits(JsonOut& out, const Factsheet& sheet) {
   out.field(R"("visualizationInterval":)", sheet.visualization_interval_s).close('}').close('}');
 }
 
+void write_parameter(JsonOut& out, const Parameter& parameter, bool optional) {
+  out.open('{').field(R"("key":)", parameter.key).field(R"("valueDataType":)", value_type(parameter.value));
+  if (optional) out.field(R"("isOptional":)", true);
+  out.close('}');
+}
+
 void write_supported_action(JsonOut& out, const Factsheet::SupportedAction& action) {
   out.open('{').field(R"("actionType":)", action.type).text_if_any(R"("actionDescription":)", action.description);
   out.key(R"("actionScopes":)").open('[');
@@ -60,14 +67,23 @@ void write_supported_action(JsonOut& out, const Factsheet::SupportedAction& acti
   if (action.node) out.value("NODE");
   if (action.edge) out.value("EDGE");
   out.close(']');
-  if (!action.parameters.empty()) {
-    out.array(R"("actionParameters":)", action.parameters, [&](const Parameter& parameter) {
-      out.open('{').field(R"("key":)", parameter.key);
-      out.field(R"("valueDataType":)", value_type(parameter.value)).close('}');
-    });
+  if (!action.parameters.empty() || !action.optional_parameters.empty()) {
+    out.key(R"("actionParameters":)").open('[');
+    for (const Parameter& parameter : action.parameters) write_parameter(out, parameter, false);
+    for (const Parameter& parameter : action.optional_parameters) write_parameter(out, parameter, true);
+    out.close(']');
+  }
+  if (!action.blocking_types.empty()) {
+    out.array(R"("blockingTypes":)", action.blocking_types,
+              [&](BlockingType type) { out.value(text_of(blocking_types, type)); });
   }
   out.close('}');
 }
+
+struct DeclaredParameter {
+  Parameter parameter;
+  bool optional{false};
+};
 
 void read_supported_action(Fields& fields, Factsheet::SupportedAction& action) {
   fields.text("actionType", action.type, Need::required);
@@ -77,11 +93,18 @@ void read_supported_action(Fields& fields, Factsheet::SupportedAction& action) {
     action.node = action.node || scope == "NODE";
     action.edge = action.edge || scope == "EDGE";
   });
-  fields.each("actionParameters", Need::optional, action.parameters, [](Fields& item, Parameter& parameter) {
+  std::vector<DeclaredParameter> declared;
+  fields.each("actionParameters", Need::optional, declared, [](Fields& item, DeclaredParameter& read) {
     std::string type{"STRING"};
-    item.text("key", parameter.key, Need::required);
+    item.text("key", read.parameter.key, Need::required);
     item.text("valueDataType", type, Need::optional);
-    parameter.value = std::move(type);
+    item.flag("isOptional", read.optional, Need::optional);
+    read.parameter.value = std::move(type);
+  });
+  for (DeclaredParameter& read : declared)
+    (read.optional ? action.optional_parameters : action.parameters).push_back(std::move(read.parameter));
+  fields.each_text("blockingTypes", [&](std::string_view text) {
+    if (const auto type = value_of(blocking_types, text)) action.blocking_types.push_back(*type);
   });
 }
 
@@ -101,7 +124,11 @@ std::string encode(const Factsheet& message) {
   out.key(R"("protocolFeatures":)").open('{').raw(R"("optionalParameters":[])");
   out.array(R"("agvActions":)", message.actions,
             [&](const Factsheet::SupportedAction& action) { write_supported_action(out, action); });
-  out.close('}').raw(R"("agvGeometry":{})").raw(R"("loadSpecification":{})").close('}');
+  out.close('}').raw(R"("agvGeometry":{})").key(R"("loadSpecification":)").open('{');
+  if (!message.load_positions.empty()) {
+    out.array(R"("loadPositions":)", message.load_positions, [&](const std::string& position) { out.value(position); });
+  }
+  out.close('}').close('}');
   return out.take();
 }
 
@@ -134,6 +161,9 @@ Result<Factsheet> decode_factsheet(std::string_view json) {
     });
     fields.object("protocolFeatures", Need::optional, [&](Fields& features) {
       features.each("agvActions", Need::optional, sheet.actions, read_supported_action);
+    });
+    fields.object("loadSpecification", Need::optional, [&](Fields& loads) {
+      loads.each_text("loadPositions", [&](std::string_view position) { sheet.load_positions.emplace_back(position); });
     });
   });
 }

@@ -133,6 +133,11 @@ template <typename Draw>
                                   ActionStatus::paused, ActionStatus::finished, ActionStatus::failed}),
                        maybe_text(r)};
   });
+  s.loads = maybe(random, [](Random& r) {
+    return several(r, 3, [](Random& q) {
+      return Load{maybe_text(q), maybe_text(q), maybe_text(q), maybe(q, positive)};
+    });
+  });
   s.battery = {random.uniform(0.0, 100.0), maybe(random, positive), maybe(random, positive), coin(random)};
   s.errors = several(random, 3, [](Random& r) {
     return VehicleError{id(r), any_of(r, {ErrorLevel::warning, ErrorLevel::fatal}), maybe_text(r),
@@ -167,10 +172,24 @@ template <typename Draw>
     *value = positive(random);
   f.actions = several(random, 4, [](Random& r) {
     return Factsheet::SupportedAction{
-        id(r), maybe_text(r), coin(r), coin(r), coin(r), several(r, 2, [](Random& q) {
-          return Parameter{id(q), any_of<std::string>(q, {"NUMBER", "STRING", "BOOL", "OBJECT"})};
+        id(r),
+        maybe_text(r),
+        coin(r),
+        coin(r),
+        coin(r),
+        several(r, 2,
+                [](Random& q) {
+                  return Parameter{id(q), any_of<std::string>(q, {"NUMBER", "STRING", "BOOL", "OBJECT"})};
+                }),
+        several(r, 2,
+                [](Random& q) {
+                  return Parameter{id(q), any_of<std::string>(q, {"INTEGER", "STRING"})};
+                }),
+        several(r, 3, [](Random& q) {
+          return any_of(q, {BlockingType::none, BlockingType::soft, BlockingType::hard});
         })};
   });
+  f.load_positions = several(random, 3, id);
   return f;
 }
 
