@@ -44,7 +44,7 @@ class WellFormed::Search {
 
   WellFormed& found_;
   TrackFloor tracks_;
-  const Floor& floor_;
+  Floor floor_;  // without what is closed
   std::vector<StationPoint> points_;
   Reach reach_;
   std::vector<std::size_t> point_of_;              // by state
@@ -56,8 +56,8 @@ class WellFormed::Search {
 
 WellFormed::Search::Search(const zone::TrafficZone& zone, WellFormed& found)
     : found_{found},
-      tracks_{TrackFloor::make(zone, zone.closed)},
-      floor_{tracks_.floor()},
+      tracks_{TrackFloor::make(zone)},
+      floor_{tracks_.floor().without({{}, tracks_.moves_into(zone.closed)})},
       points_{station_points(zone, tracks_)},
       reach_{floor_},
       point_of_(floor_.states(), no_point),

@@ -11,10 +11,12 @@
 #include "cosiva/base/digest.h"
 #include "cosiva/base/random.h"
 #include "cosiva/experiments/runs/continuation/test_disturbed_run.h"
+#include "cosiva/zone/generate/grid.h"
 
 namespace cosiva::experiments {
 namespace {
 
+using namespace std::chrono_literals;
 using testing::DisturbedRun;
 
 std::string digest_of(const virtual_side::ServerCore& server) {
@@ -106,6 +108,38 @@ TEST_P(ContinuedServerRun, has_the_effects_and_the_state_of_the_server_that_made
 INSTANTIATE_TEST_SUITE_P(Seeds, ContinuedServerRun,
                          ::testing::Values(std::pair{std::uint64_t{1}, false}, std::pair{std::uint64_t{2}, true},
                                            std::pair{std::uint64_t{3}, true}));
+
+TEST(ContinuedServer, has_the_plan_of_the_fleet_on_two_way_tracks) {
+  zone::GridOptions grid;
+  grid.bays = 4;
+  grid.two_way = true;
+  WorldOptions options;
+  options.zone = {"toml", "grid.toml", *zone::generate_grid(grid)};
+  options.aivs = 10;
+  options.as_values = true;
+  virtual_side::ServerOptions server_options = options.server;
+  server_options.as_values = true;
+  const auto world = World::make(std::move(options));
+  ASSERT_TRUE(world.has_value());
+  std::deque<ContinuedServer> continued;
+  (*world)->observe_server([&](const wire::Input& input, const wire::Effects& effects) {
+    for (ContinuedServer& server : continued) server.feed(input, effects);
+  });
+  for (int i = 0; i < 5; ++i) {
+    (*world)->run_for(17300ms);
+    if (i == 2) (*world)->kill_aiv(3);  // it is set aside
+    const std::string snapshot = snapshot_of((*world)->server());
+    auto server = ContinuedServer::from(server_options, snapshot, Digest{});
+    ASSERT_TRUE(server.has_value()) << to_string(server.error());
+    expect_same_bytes(snapshot, snapshot_of(server->server()), "snapshot " + std::to_string(i));
+    continued.push_back(std::move(*server));
+  }
+  (*world)->run_for(30s);
+  for (const ContinuedServer& server : continued) {
+    EXPECT_EQ(server.difference().value_or(""), "");
+    expect_same_bytes(snapshot_of(server.server()), snapshot_of((*world)->server()), "at the end");
+  }
+}
 
 TEST(ContinuedServer, reports_the_first_effect_that_differs) {
   DisturbedRun run{1, false};

@@ -1,5 +1,6 @@
 #include "cosiva/virtual/server/orders/wait_analysis.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -31,8 +32,12 @@ bool WaitAnalysis::is_stopped_without_reason(VehicleIndex vehicle) {
   const auto& track_position = positions_.reported(vehicle).position;
   auto& since = unresponsive_since_[vehicle];
   const wire::State& state = *proxy.state();
+  const bool acts = std::ranges::any_of(state.action_states, [](const wire::ActionState& action) {
+    return action.status == wire::ActionStatus::initializing || action.status == wire::ActionStatus::running ||
+           action.status == wire::ActionStatus::paused;
+  });
   // Third-party vehicles may have other reasons.
-  const bool unresponsive = proxy.is_cosiva() && positions_.is_stopped(vehicle) && !state.field_violation &&
+  const bool unresponsive = proxy.is_cosiva() && positions_.is_stopped(vehicle) && !state.field_violation && !acts &&
                             !state.paused && !proxy.settings.paused_for_body() && state.errors.empty() &&
                             state.e_stop == wire::EStop::none && track_position &&
                             context_.traffic.base_left_m(vehicle, *track_position).value_or(0.0) > base_left_m_min;
