@@ -4,6 +4,7 @@
 
 #include "cosiva/adapters/files.h"
 #include "cosiva/app/cli/console.h"
+#include "cosiva/app/zone/opened_zone.h"
 #include "cosiva/drawing/png/svg_to_png.h"
 #include "cosiva/zone/drawing/draw.h"
 #include "cosiva/zone/drawing/svg.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -21,7 +20,10 @@ inline constexpr GoalId no_goal = std::numeric_limits<GoalId>::max();
 struct FloorMove {
   StateId from{};
   StateId to{};
-  friend auto operator<=>(const FloorMove&, const FloorMove&) = default;
+  friend bool operator==(const FloorMove&, const FloorMove&) = default;
+  friend bool operator<(const FloorMove& a, const FloorMove& b) {
+    return a.from != b.from ? a.from < b.from : a.to < b.to;
+  }
 };
 
 /// What is obstructed on a floor.

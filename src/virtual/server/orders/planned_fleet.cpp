@@ -213,7 +213,9 @@ void PlannedFleet::find_obstructions() {
   planning::Obstruction obstruction = fleet_->track().obstructed(area);
   const auto closed = fleet_->track().moves_into(context_.missions.closed().all());
   obstruction.moves.insert(obstruction.moves.end(), closed.begin(), closed.end());
-  std::ranges::sort(obstruction.moves);
+  std::ranges::sort(obstruction.moves, {}, [](const planning::FloorMove& move) {
+    return std::pair{move.from, move.to};
+  });
   fleet_->obstruct(std::move(obstruction));
 }
 
