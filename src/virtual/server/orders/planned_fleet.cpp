@@ -7,6 +7,7 @@
 
 #include "cosiva/base/archive.h"
 #include "cosiva/base/expect.h"
+#include "cosiva/base/math.h"
 #include "cosiva/zone/check/deadlock.h"
 
 namespace cosiva::virtual_side {
@@ -15,6 +16,8 @@ namespace {
 using planning::StateId;
 
 constexpr double at_state_m = 0.05;  // a stopped vehicle nearer than this to a state's position is there
+constexpr double moved_m = 0.02;
+constexpr double moved_rad = 0.05;
 constexpr SimDuration aside_after = std::chrono::seconds{8};
 constexpr SimDuration obstructions_period = std::chrono::seconds{1};
 constexpr std::uint64_t seed = 1;
@@ -75,12 +78,9 @@ std::vector<StateId> PlannedFleet::states_around(zone::TrackPosition position) c
   const planning::TrackFloor& track = fleet_->track();
   if (const auto state = track.state_at(position, at_state_m)) return {straight_on(*state)};
   if (const auto before = track.state_before(position)) {
-    for (const StateId after : track.floor().successors(*before)) {
-      const bool along = track.position(after).section == position.section ||
-                         context_.map->circuit().section(position.section).length_m() > position.s_m;
-      if (along) return {*before, after};
-    }
-    return {};
+    // Beyond the last state of a section, all moves lead to its end.
+    const auto next = track.floor().successors(*before);
+    return next.empty() ? std::vector<StateId>{} : std::vector{*before, next.front()};
   }
   const auto after = track.state_after(position, {});
   if (!after) return {};
@@ -172,7 +172,12 @@ bool PlannedFleet::is_elsewhere(VehicleIndex vehicle) const {
 void PlannedFleet::set_aside_or_take_back(VehicleIndex vehicle) {
   Vehicle& known = vehicles_[vehicle];
   const bool can_drive = follower_.may_extend(vehicle);
-  const bool drives = !positions_.is_stopped(vehicle) || (can_drive && !known.could_drive);
+  // What a vehicle reports of its driving is not enough: its wheels may turn in vain, or its last report may be old.
+  const Pose2& X_MB = pose(vehicle);
+  const bool moved = distance(known.X_MB, X_MB) > moved_m ||
+                     std::fabs(wrap_angle(known.X_MB.heading_rad - X_MB.heading_rad)) > moved_rad;
+  const bool drives = moved || (can_drive && !known.could_drive);
+  if (moved) known.X_MB = X_MB;
   if (drives || (can_drive && fleet_->granted_moves(vehicle) == 0)) known.drove_at = context_.publisher.now();
   known.could_drive = can_drive;
   const bool late = context_.publisher.now() - known.drove_at > aside_after;

@@ -50,6 +50,7 @@ class PlannedFleet {
     SimTime moved_at{};
     SimTime drove_at{};       // or need not drive
     bool could_drive{false};  // in the last tick
+    Pose2 X_MB{};             // when it drove last
   };
 
   void join_where_stopped(VehicleIndex vehicle);

@@ -34,16 +34,16 @@ void PlannedGoals::set_map(const WaypointGraph* map) {
   COSIVA_EXPECT(points.size() == stations_.size() + waypoints_.size());
 }
 
-bool PlannedGoals::choose(VehicleIndex vehicle) {
+bool PlannedGoals::choose(VehicleIndex vehicle, SimDuration waited) {
   Vehicle& known = vehicles_[vehicle];
   const std::uint64_t revision = context_.missions.revision(vehicle);
   if (known.revision != revision) {
-    known = {revision, std::nullopt, false, vehicle, context_.publisher.now()};
+    known = {revision, std::nullopt, false, vehicle, context_.publisher.now(), context_.publisher.now()};
     fleet_.begin_move(vehicle);
   }
   const Mission& mission = context_.missions.mission(vehicle);
   const bool arrived = mission.kind == Mission::Kind::go ? go(vehicle, mission) : go_round(vehicle, mission);
-  set_stops(vehicle);
+  set_stops(vehicle, waited);
   return arrived;
 }
 
@@ -77,8 +77,17 @@ bool PlannedGoals::go_round(VehicleIndex vehicle, const Mission& mission) {
   const SimTime now = context_.publisher.now();
   const bool obstructed = !fleet_.plan().reachable(vehicle) && now - known.chosen_at >= other_goal_after;
   const bool arrived = has_arrived(vehicle);
+  if (waits_for_station(vehicle) && is_next_for_station(vehicle)) {
+    if (const auto station = nearest_free(vehicle, stations_, 1)) {
+      known.goal = station;
+      known.to_station = true;
+      known.chosen_at = now;
+      return false;
+    }
+  }
   if (known.goal && !obstructed && !arrived) return false;
   const bool counts = arrived && (stations_.empty() || is_station(*known.goal));
+  if (counts) known.at_station_at = now;
   const bool was_station = std::exchange(known.to_station, true);
   const auto before = std::exchange(known.goal, std::nullopt);
   known.chosen_at = now;
@@ -127,12 +136,21 @@ bool PlannedGoals::is_station(planning::GoalId goal) const {
       stations_, [&](planning::GoalId station) { return floor.goal(station).front() == floor.goal(goal).front(); });
 }
 
+bool PlannedGoals::waits_for_station(VehicleIndex vehicle) const {
+  return fleet_.plan().takes_part(vehicle) && vehicles_[vehicle].goal && !vehicles_[vehicle].to_station &&
+         context_.missions.mission(vehicle).kind == Mission::Kind::circulate;
+}
+
 bool PlannedGoals::others_wait_for_station(VehicleIndex vehicle) const {
   for (VehicleIndex other = 0; other < vehicles_.size(); ++other)
-    if (other != vehicle && fleet_.plan().takes_part(other) && !vehicles_[other].to_station &&
-        context_.missions.mission(other).kind == Mission::Kind::circulate)
-      return true;
+    if (other != vehicle && waits_for_station(other)) return true;
   return false;
+}
+
+bool PlannedGoals::is_next_for_station(VehicleIndex vehicle) const {
+  for (VehicleIndex other = 0; other < vehicles_.size(); ++other)
+    if (waits_for_station(other) && vehicles_[other].at_station_at < vehicles_[vehicle].at_station_at) return false;
+  return true;
 }
 
 std::vector<planning::GoalId> PlannedGoals::round_of(const zone::Loop& loop) const {
@@ -160,11 +178,10 @@ bool PlannedGoals::has_arrived(VehicleIndex vehicle) const {
   return std::ranges::find(states, fleet_.plan().states(vehicle)[0]) != states.end();
 }
 
-void PlannedGoals::set_stops(VehicleIndex vehicle) {
+void PlannedGoals::set_stops(VehicleIndex vehicle, SimDuration waited) {
   const auto& goal = vehicles_[vehicle].goal;
   std::vector<planning::Stop> stops;
   if (goal) stops.push_back({*goal, 1});
-  const auto waited = context_.publisher.now() - fleet_.moved_at(vehicle);
   fleet_.plan().set_stops(vehicle, stops, static_cast<std::uint32_t>(waited / urgent_after));
 }
 

@@ -24,7 +24,8 @@ class PlannedGoals {
   void forget(VehicleIndex vehicle) { vehicles_[vehicle] = {}; }
 
   /// To be called once per tick, for each vehicle that takes part. True: the vehicle has arrived at its goal.
-  bool choose(VehicleIndex vehicle);
+  /// @param waited  since its remaining route was shortest: decides how urgent the vehicle is
+  bool choose(VehicleIndex vehicle, SimDuration waited);
   [[nodiscard]] const std::optional<planning::GoalId>& goal(VehicleIndex vehicle) const {
     return vehicles_[vehicle].goal;
   }
@@ -37,6 +38,7 @@ class PlannedGoals {
     bool to_station{false};  // or along a loop; otherwise in between
     std::uint32_t round{0};  // determines which goal comes next
     SimTime chosen_at{};
+    SimTime at_station_at{};  // or when the vehicle began
   };
 
   bool go(VehicleIndex vehicle, const Mission& mission);
@@ -51,9 +53,12 @@ class PlannedGoals {
                                                              planning::Distances::Steps moves_min);
   [[nodiscard]] bool is_station(planning::GoalId goal) const;
   [[nodiscard]] bool others_wait_for_station(VehicleIndex vehicle) const;
+  /// Of the vehicles that go to no station for the present, it has been at one the longest ago.
+  [[nodiscard]] bool is_next_for_station(VehicleIndex vehicle) const;
+  [[nodiscard]] bool waits_for_station(VehicleIndex vehicle) const;
   [[nodiscard]] bool is_goal_of_others(planning::GoalId goal, VehicleIndex vehicle) const;
   [[nodiscard]] bool has_arrived(VehicleIndex vehicle) const;
-  void set_stops(VehicleIndex vehicle);
+  void set_stops(VehicleIndex vehicle, SimDuration waited);
 
   OrderContext& context_;
   PlannedFleet& fleet_;

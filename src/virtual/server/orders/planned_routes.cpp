@@ -39,7 +39,9 @@ void PlannedRoutes::forget(VehicleIndex vehicle) {
 void PlannedRoutes::update() {
   fleet_.update();
   for (VehicleIndex vehicle = 0; vehicle < sessions_.size(); ++vehicle)
-    if (fleet_.plan().takes_part(vehicle) && goals_.choose(vehicle)) route_waits_.arrive(vehicle);
+    if (fleet_.plan().takes_part(vehicle) &&
+        goals_.choose(vehicle, route_waits_.waited(vehicle, context_.publisher.now())))
+      route_waits_.arrive(vehicle);
   replan_when_it_pays();
   fleet_.plan().plan();
   for (VehicleIndex vehicle = 0; vehicle < sessions_.size(); ++vehicle)

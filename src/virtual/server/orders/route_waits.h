@@ -34,6 +34,10 @@ class RouteWaits {
   /// The vehicle has arrived at its goal.
   void arrive(VehicleIndex vehicle) { ++vehicles_[vehicle].arrivals; }
 
+  /// How long the vehicle's present wait has lasted; 0: none.
+  [[nodiscard]] SimDuration waited(VehicleIndex vehicle, SimTime now) const {
+    return vehicles_[vehicle].goal ? now - vehicles_[vehicle].since : SimDuration{};
+  }
   [[nodiscard]] SimDuration longest() const { return longest_; }
   /// The 99th percentile of the waits that have ended, rounded up to seconds; 0 without any.
   [[nodiscard]] std::uint32_t p99_s() const;
