@@ -8,12 +8,18 @@
 #include <vector>
 
 #include "cosiva/aiv/onboard/onboard_fixture.h"
+#include "cosiva/aiv/testing/test_actions.h"
 
 namespace cosiva::aiv {
 namespace {
 
+using test::act;
+using test::hard;
+using test::none;
 using test::OnboardFixture;
 using test::order;
+using test::soft;
+using test::text_of;
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
@@ -21,17 +27,6 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using wire::ActionStatus;
-using wire::BlockingType;
-
-constexpr auto none = BlockingType::none;
-constexpr auto soft = BlockingType::soft;
-constexpr auto hard = BlockingType::hard;
-
-wire::Action act(std::string type, std::string id, BlockingType blocking,
-                 std::vector<wire::Parameter> parameters = {}) {
-  return {std::move(type), std::move(id), "", blocking, std::move(parameters)};
-}
-wire::Parameter text_of(std::string key, std::string value) { return {std::move(key), std::move(value)}; }
 
 /// Five nodes of the loop in the south-east, 0.2827 m apart.
 test::OrderText usual() {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "cosiva/aiv/testing/test_actions.h"
 #include "cosiva/aiv/testing/test_orders.h"
 #include "cosiva/base/archive.h"
 
@@ -19,24 +20,18 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using test::act;
+using test::hard;
+using test::none;
 using test::order;
 using test::OrderText;
+using test::soft;
+using test::text_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 using wire::ActionStatus;
-using wire::BlockingType;
-
-constexpr auto none = BlockingType::none;
-constexpr auto soft = BlockingType::soft;
-constexpr auto hard = BlockingType::hard;
-
-wire::Action act(std::string type, std::string id, BlockingType blocking,
-                 std::vector<wire::Parameter> parameters = {}) {
-  return {std::move(type), std::move(id), "", blocking, std::move(parameters)};
-}
-wire::Parameter text_of(std::string key, std::string value) { return {std::move(key), std::move(value)}; }
 
 /// Actions of ten seconds without preparation; picks and drops of five seconds, prepared for one.
 ActionCatalogue catalogue() {

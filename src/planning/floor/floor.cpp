@@ -99,14 +99,12 @@ Floor Floor::without(const Obstruction& obstruction) const {
   floor.goals_ = goals_;
   std::vector<std::vector<StateId>> predecessors(states());
   for (StateId from = 0; from < states(); ++from) {
-    const auto own = footprint(from);
-    const auto is_entered = [&](CellId cell) { return occupied[cell] && !std::ranges::binary_search(own, cell); };
     std::vector<StateId> ends;
     for (std::size_t move = 0; move < successors(from).size(); ++move) {
       const StateId to = successors(from)[move];
-      if (closed.contains({from, to}) || std::ranges::any_of(footprint(to), is_entered) ||
-          std::ranges::any_of(sweep(from, move), is_entered))
-        continue;
+      bool open = !closed.contains({from, to});
+      each_entered(from, to, [&](CellId cell) { open = open && !occupied[cell]; });
+      if (!open) continue;
       ends.push_back(to);
       predecessors[to].push_back(from);
       floor.sweeps_.add(sweep(from, move));

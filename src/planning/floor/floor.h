@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -80,6 +81,14 @@ class Floor {
   }
   /// Of the move between these states, which exists (checked); of waiting: none.
   [[nodiscard]] std::span<const CellId> sweep_between(StateId from, StateId to) const;
+  /// Calls visit(cell) for each cell that the move needs besides those of its beginning.
+  template <typename Visit>
+  void each_entered(StateId from, StateId to, Visit&& visit) const {
+    const auto own = footprint(from);
+    for (const CellId cell : footprint(to))
+      if (!std::ranges::binary_search(own, cell)) visit(cell);
+    for (const CellId cell : sweep_between(from, to)) visit(cell);
+  }
   /// False: no move of this floor passes cells besides those of its ends.
   [[nodiscard]] bool has_sweeps() const noexcept { return !sweeps_.empty(); }
   [[nodiscard]] std::span<const StateId> goal(GoalId goal) const noexcept { return goals_[goal]; }

@@ -31,14 +31,6 @@ void PassingOrder::begin(std::span<const GrantedMoves> granted) {
     COSIVA_EXPECT(std::ranges::all_of(queue, [&](const Use& use) { return use.vehicle == queue.front().vehicle; }));
 }
 
-template <typename Visit>
-void PassingOrder::each_entered(StateId from, StateId to, Visit&& visit) const {
-  const auto own = floor_->footprint(from);
-  for (const CellId cell : floor_->footprint(to))
-    if (!std::ranges::binary_search(own, cell)) visit(cell);
-  for (const CellId cell : floor_->sweep_between(from, to)) visit(cell);
-}
-
 void PassingOrder::add_step(std::span<const StateId> next) {
   COSIVA_EXPECT(next.size() == vehicles_.size());
   for (std::uint32_t vehicle = 0; vehicle < next.size(); ++vehicle) {
@@ -51,7 +43,7 @@ void PassingOrder::add_step(std::span<const StateId> next) {
 }
 
 void PassingOrder::enter(std::uint32_t vehicle, StateId from, StateId to, std::uint64_t move) {
-  each_entered(from, to, [&](CellId cell) { queues_[cell].push_back({vehicle, move}); });
+  floor_->each_entered(from, to, [&](CellId cell) { queues_[cell].push_back({vehicle, move}); });
 }
 
 void PassingOrder::drop_planned() {
@@ -61,7 +53,7 @@ void PassingOrder::drop_planned() {
       const StateId to = moves.states.back();
       moves.states.pop_back();
       const std::uint64_t move = moves.done + moves.states.size();
-      each_entered(moves.states.back(), to, [&](CellId cell) {
+      floor_->each_entered(moves.states.back(), to, [&](CellId cell) {
         std::erase_if(queues_[cell], [&](const Use& use) { return use.vehicle == vehicle && use.first == move; });
       });
     }
@@ -73,7 +65,7 @@ std::optional<std::uint32_t> PassingOrder::waits_for(std::uint32_t vehicle) cons
   if (planned_moves(vehicle) == 0) return std::nullopt;
   std::optional<std::uint32_t> other;
   const std::uint64_t move = moves.done + moves.granted + 1;
-  each_entered(moves.states[moves.granted], moves.states[moves.granted + 1], [&](CellId cell) {
+  floor_->each_entered(moves.states[moves.granted], moves.states[moves.granted + 1], [&](CellId cell) {
     for (const Use& use : queues_[cell]) {
       if (other || (use.vehicle == vehicle && use.first == move)) break;
       if (use.vehicle != vehicle) other = use.vehicle;

@@ -89,9 +89,6 @@ class PassingOrder {
 
   void enter(std::uint32_t vehicle, StateId from, StateId to, std::uint64_t move);
   void leave(std::uint32_t vehicle, CellId cell);
-  /// Calls visit(cell) for each cell that a move needs besides those of its beginning.
-  template <typename Visit>
-  void each_entered(StateId from, StateId to, Visit&& visit) const;
 
   const Floor* floor_;
   std::vector<VehicleMoves> vehicles_;

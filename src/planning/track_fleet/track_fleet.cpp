@@ -7,6 +7,23 @@
 #include "cosiva/base/expect.h"
 
 namespace cosiva::planning {
+namespace {
+
+/// Cells that a vehicle needs for these moves, in ascending order.
+std::vector<CellId> cells_of(const Floor& floor, const GrantedMoves& granted) {
+  const std::vector<StateId>& states = granted.states;
+  std::vector<CellId> cells;
+  const auto add = [&](std::span<const CellId> more) { cells.insert(cells.end(), more.begin(), more.end()); };
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (i > 0 || !granted.clear) add(floor.footprint(states[i]));
+    if (i > 0) add(floor.sweep_between(states[i - 1], states[i]));
+  }
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+}  // namespace
 
 TrackFleet::TrackFleet(const zone::TrafficZone& zone, const FleetPlanOptions& options, std::uint64_t seed)
     : track_{TrackFloor::make(zone)}, options_{options}, seed_{seed}, distances_{track_.floor()} {
@@ -14,19 +31,6 @@ TrackFleet::TrackFleet(const zone::TrafficZone& zone, const FleetPlanOptions& op
 }
 
 // --- which vehicles take part ---------------------------------------------------------------------------------------
-
-std::vector<CellId> TrackFleet::cells_of(const GrantedMoves& granted) const {
-  const std::vector<StateId>& states = granted.states;
-  std::vector<CellId> cells;
-  const auto add = [&](std::span<const CellId> more) { cells.insert(cells.end(), more.begin(), more.end()); };
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (i > 0 || !granted.clear) add(track_.floor().footprint(states[i]));
-    if (i > 0) add(track_.floor().sweep_between(states[i - 1], states[i]));
-  }
-  std::ranges::sort(cells);
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return cells;
-}
 
 GrantedMoves TrackFleet::granted(Vehicle vehicle) const {
   const auto& all = states(vehicle);
@@ -37,10 +41,10 @@ GrantedMoves TrackFleet::granted(Vehicle vehicle) const {
 
 bool TrackFleet::join(Vehicle vehicle, std::span<const StateId> granted) {
   COSIVA_EXPECT(!takes_part(vehicle) && !granted.empty());
-  const auto cells = cells_of({{granted.begin(), granted.end()}, false});
+  const auto cells = cells_of(track_.floor(), {{granted.begin(), granted.end()}, false});
   for (Vehicle other = 0; other < members_.size(); ++other) {
     if (!takes_part(other)) continue;
-    const auto needed = cells_of(this->granted(other));
+    const auto needed = cells_of(track_.floor(), this->granted(other));
     const auto is_needed = [&](CellId cell) { return std::ranges::binary_search(needed, cell); };
     if (std::ranges::any_of(cells, is_needed)) return false;
   }
@@ -77,19 +81,23 @@ void TrackFleet::obstruct(Obstruction obstruction) {
   changed_ = true;
 }
 
+void TrackFleet::make_plan() {
+  plan_.reset();  // refers to the floor of before
+  open_ = std::make_unique<Floor>(track_.floor().without(closed_));
+  plan_ = std::make_unique<FleetPlan>(track_.floor(), *open_, options_, seed_);
+}
+
 void TrackFleet::begin_again() {
   Obstruction closed = obstruction_;
   for (Vehicle vehicle = 0; vehicle < members_.size(); ++vehicle) {
     hold(vehicle);
     if (!is_set_aside(vehicle)) continue;
-    const auto cells = cells_of(granted(vehicle));
+    const auto cells = cells_of(track_.floor(), granted(vehicle));
     closed.cells.insert(closed.cells.end(), cells.begin(), cells.end());
   }
   if (!open_ || closed != closed_) {
-    plan_.reset();
     closed_ = std::move(closed);
-    open_ = std::make_unique<Floor>(track_.floor().without(closed_));
-    plan_ = std::make_unique<FleetPlan>(track_.floor(), *open_, options_, seed_);
+    make_plan();
   }
   slots_.clear();
   std::vector<GrantedMoves> granted;
@@ -179,11 +187,7 @@ std::optional<Vehicle> TrackFleet::waits_for(Vehicle vehicle) const {
 
 void TrackFleet::archive(Archive& archive) {
   archive(obstruction_, members_, slots_, changed_, closed_);
-  if (archive.reads()) {
-    plan_.reset();
-    open_ = std::make_unique<Floor>(track_.floor().without(closed_));
-    plan_ = std::make_unique<FleetPlan>(track_.floor(), *open_, options_, seed_);
-  }
+  if (archive.reads()) make_plan();
   archive(*plan_);
 }
 

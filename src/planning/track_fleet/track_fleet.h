@@ -80,10 +80,11 @@ class TrackFleet {
     return members_[vehicle].part == Part::planned && members_[vehicle].states.empty();
   }
   [[nodiscard]] GrantedMoves granted(Vehicle vehicle) const;
-  [[nodiscard]] std::vector<CellId> cells_of(const GrantedMoves& granted) const;
   /// Holds the states of the vehicle's granted moves here, not in the plan.
   void hold(Vehicle vehicle);
   void begin_again();
+  /// Without vehicles, for the floor without `closed_`.
+  void make_plan();
 
   TrackFloor track_;
   FleetPlanOptions options_;

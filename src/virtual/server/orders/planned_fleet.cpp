@@ -47,6 +47,7 @@ void PlannedFleet::forget(VehicleIndex vehicle) {
 }
 
 void PlannedFleet::update() {
+  COSIVA_EXPECT(in_force());
   bool changed = false;
   for (VehicleIndex vehicle = 0; vehicle < vehicles_.size(); ++vehicle) {
     const bool took_part = fleet_->takes_part(vehicle);
@@ -57,7 +58,6 @@ void PlannedFleet::update() {
     changed = changed || took_part != fleet_->takes_part(vehicle);
   }
   if (changed || context_.publisher.now() - obstructions_at_ >= obstructions_period) find_obstructions();
-  COSIVA_EXPECT(in_force());
 }
 
 // --- joining --------------------------------------------------------------------------------------------------------
@@ -218,9 +218,7 @@ void PlannedFleet::find_obstructions() {
   planning::Obstruction obstruction = fleet_->track().obstructed(area);
   const auto closed = fleet_->track().moves_into(context_.missions.closed().all());
   obstruction.moves.insert(obstruction.moves.end(), closed.begin(), closed.end());
-  std::ranges::sort(obstruction.moves, {}, [](const planning::FloorMove& move) {
-    return std::pair{move.from, move.to};
-  });
+  std::sort(obstruction.moves.begin(), obstruction.moves.end());
   fleet_->obstruct(std::move(obstruction));
 }
 

@@ -156,11 +156,9 @@ bool PlannedGoals::is_next_for_station(VehicleIndex vehicle) const {
 std::vector<planning::GoalId> PlannedGoals::round_of(const zone::Loop& loop) const {
   std::vector<planning::GoalId> goals;
   for (const zone::SectionId section : loop.sections) {
-    const auto& waypoints = context_.map->zone().waypoints;
-    const auto first =
-        std::ranges::find(waypoints, section, [](const auto& waypoint) { return waypoint.position.section; });
-    if (first == waypoints.end()) continue;
-    if (const auto goal = fleet_.plan().track().goal(first->id)) goals.push_back(*goal);
+    const WaypointIndex first = context_.map->first_on(section);
+    if (first == no_waypoint) continue;
+    if (const auto goal = fleet_.plan().track().goal(context_.map->waypoint(first).id)) goals.push_back(*goal);
   }
   return goals;
 }
@@ -173,9 +171,7 @@ bool PlannedGoals::is_goal_of_others(planning::GoalId goal, VehicleIndex vehicle
 
 bool PlannedGoals::has_arrived(VehicleIndex vehicle) const {
   const auto& goal = vehicles_[vehicle].goal;
-  if (!goal || !fleet_.waits_at_state(vehicle)) return false;
-  const auto states = fleet_.plan().track().floor().goal(*goal);
-  return std::ranges::find(states, fleet_.plan().states(vehicle)[0]) != states.end();
+  return goal && fleet_.waits_at_state(vehicle) && fleet_.plan().moves_to(*goal, fleet_.plan().states(vehicle)[0]) == 0;
 }
 
 void PlannedGoals::set_stops(VehicleIndex vehicle, SimDuration waited) {

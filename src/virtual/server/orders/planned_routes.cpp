@@ -157,22 +157,23 @@ WaypointIndex PlannedRoutes::waypoint_of(VehicleIndex vehicle, std::size_t state
   const planning::TrackFloor& track = fleet_.plan().track();
   const auto& states = fleet_.plan().states(vehicle);
   const zone::TrackPosition at = track.position(states[state]);
+  const auto at_start_of = [&](zone::SectionId section) {
+    const WaypointIndex first = map.first_on(section);
+    return first != no_waypoint && map.waypoint(first).position.s_m == 0.0 ? first : no_waypoint;
+  };
   // What is planned and not granted may change: the branch is not known yet.
-  std::span<const zone::SectionId> beyond;
-  if (state < fleet_.plan().granted_moves(vehicle)) beyond = track.sections(states[state], states[state + 1]);
-  WaypointIndex found = no_waypoint;
-  for (WaypointIndex i = 0; i < map.size(); ++i) {
+  if (state < fleet_.plan().granted_moves(vehicle))
+    if (const auto beyond = track.sections(states[state], states[state + 1]); !beyond.empty())
+      return at_start_of(beyond.front());
+  for (WaypointIndex i = map.first_on(at.section); i < map.size(); ++i) {
     const zone::TrackPosition waypoint = map.waypoint(i).position;
-    const bool here = waypoint.section == at.section && std::fabs(waypoint.s_m - at.s_m) < same_m;
-    if (beyond.empty() && here) return i;
-    if (waypoint.s_m != 0.0) continue;
-    if (!beyond.empty() && waypoint.section == beyond.front()) return i;
-    const auto next = map.circuit().next(at.section);
-    const bool follows = at.s_m > 0.0 && std::fabs(map.circuit().section(at.section).length_m() - at.s_m) < same_m &&
-                         std::ranges::find(next, waypoint.section) != next.end();
-    if (follows && found == no_waypoint) found = i;
+    if (waypoint.section != at.section) break;
+    if (std::fabs(waypoint.s_m - at.s_m) < same_m) return i;
   }
-  return beyond.empty() ? found : no_waypoint;
+  WaypointIndex first = no_waypoint;
+  if (at.s_m == 0.0 || std::fabs(map.circuit().section(at.section).length_m() - at.s_m) >= same_m) return first;
+  for (const zone::SectionId next : map.circuit().next(at.section)) first = std::min(first, at_start_of(next));
+  return first;
 }
 
 const WaypointGraph::Stretch* PlannedRoutes::stretch_of(VehicleIndex vehicle, WaypointIndex from,

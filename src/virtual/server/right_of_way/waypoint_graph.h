@@ -69,6 +69,8 @@ class WaypointGraph {
 
   [[nodiscard]] const zone::Waypoint& waypoint(WaypointIndex index) const { return zone_->waypoints[index]; }
   [[nodiscard]] Point2 point(WaypointIndex index) const { return points_[index]; }
+  /// The first waypoint of a section; no_waypoint: it has none.
+  [[nodiscard]] WaypointIndex first_on(zone::SectionId section) const;
   /// All waypoints of an id, ascending: the same point on several sections.
   [[nodiscard]] std::span<const WaypointIndex> find(std::string_view id) const;
 
@@ -138,7 +140,6 @@ class WaypointGraph {
   [[nodiscard]] bool is_default(WaypointIndex from, const Stretch& stretch) const;
   void spans_on(zone::SectionId section, double from_m, double to_m, bool stopped,
                 std::vector<CrossingIndex>& out) const;
-  [[nodiscard]] WaypointIndex first_on(zone::SectionId section) const;
 
   std::shared_ptr<const zone::TrafficZone> zone_;
   std::vector<Stretch> stretches_;          ///< by start waypoint
